@@ -1,0 +1,34 @@
+#pragma once
+
+#include "dem/vector.h"
+
+namespace dem
+{
+  /** The periodic parallelepiped that the grains fill. */
+  struct Cell
+  {
+    Matrix edges = Matrix::Identity();       ///< columns are the edges [m]
+    Matrix deformation = Matrix::Identity(); ///< deformation gradient since the strain was last set to zero [-]
+
+    double compute_volume() const { return edges.determinant(); } ///< [m3]
+
+    /** Strains the cell and what lies in it: F <- f F. */
+    void deform(const Matrix &f)
+    {
+      edges = (f * edges).eval();
+      deformation = (f * deformation).eval();
+    }
+  };
+
+  /** Distance between opposite faces, smallest of the three [m]. */
+  double compute_narrowest_width(const Cell &cell);
+
+  /** Logarithm of the stretch U of F = R U, tension-positive [-]. */
+  Matrix compute_logarithmic_strain(const Matrix &deformation);
+
+  /**
+   * The integer change of basis after which no edge leans over a neighbour by more than half its length; identity for a
+   * cell that needs none. edges <- edges M, fractions <- M^-1 fractions.
+   */
+  Matrix compute_reduction(const Cell &cell);
+} // namespace dem

@@ -1,0 +1,55 @@
+#pragma once
+
+#include "dem/cell.h"
+#include "dem/grains.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace dem
+{
+  /** What a touching pair remembers. The order of these is the order in which forces are summed: part of the state. */
+  struct ContactMemory
+  {
+    std::uint32_t a, b; ///< places in the arrays of the grains
+    Vector shear_force; ///< t, acts on a [N]
+    bool is_sliding;
+  };
+
+  /** How much has happened to a REV since its packing was made. */
+  struct Counters
+  {
+    std::uint64_t cycles = 0;
+    std::uint64_t broken_instant = 0;
+    std::uint64_t broken_delayed = 0;
+    std::uint64_t next_id = 0; ///< id that the next sibling gets
+  };
+
+  /** Everything that the future of a REV at rest depends on, beside its parameters. */
+  struct RevState
+  {
+    Cell cell;
+    Grains grains;
+    std::vector<ContactMemory> contacts;
+    Matrix stress = Matrix::Zero();       ///< Love-Weber [Pa], tension-positive, in the REV's axes
+    Matrix rotation = Matrix::Identity(); ///< Q: turns the REV's axes into the solver's
+    double time = 0.;                     ///< [s]
+    double unbalanced_ratio = 0.;         ///< [-]
+    double initial_solid_volume = 0.;     ///< [m3], grains before any split; the lost part is fines
+    Counters counters;
+  };
+
+  /** One contiguous, self-describing copy (magic, version, lengths, checksum), for messages and checkpoints. */
+  std::vector<std::byte> serialise(const RevState &state);
+
+  /** Throws std::runtime_error saying what is wrong with the bytes. */
+  RevState deserialise(std::span<const std::byte> bytes);
+
+  /** Pore volume over volume of the grains [-]; fines count as pores. */
+  double compute_void_ratio(const RevState &state);
+
+  /** Pore volume over solid volume [-]; fines count as solids. */
+  double compute_void_ratio_with_fines(const RevState &state);
+} // namespace dem
