@@ -2,6 +2,8 @@
 
 #include "dem/vector.h"
 
+#include <Eigen/LU>
+
 namespace dem
 {
   /** The periodic parallelepiped that the grains fill. */

@@ -1,0 +1,218 @@
+#include "dem/rev_state.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <stdexcept>
+#include <string>
+#include <type_traits>
+
+namespace dem
+{
+  namespace
+  {
+    constexpr std::array<char, 8> magic = {'S', 'L', 'O', 'W', 'R', 'E', 'V', '\0'};
+    constexpr std::uint64_t version = 1;
+
+    /** What stands before the body. Eight-byte fields only: no padding, the same bytes each time. */
+    struct Header
+    {
+      std::array<char, 8> magic;
+      std::uint64_t version;
+      std::uint64_t n_bytes; ///< of the whole, header included
+      std::uint64_t n_grains;
+      std::uint64_t n_contacts;
+      std::uint64_t checksum; ///< of the body
+    };
+    static_assert(sizeof(Header) == 48);
+
+    /** FNV-1a in words of eight bytes: each step is a bijection, so a change within one word always shows. */
+    std::uint64_t compute_checksum(std::span<const std::byte> bytes)
+    {
+      std::uint64_t hash = 0xcbf29ce484222325ull;
+      for (std::size_t at = 0; at < bytes.size(); at += 8)
+        {
+          std::uint64_t word = 0;
+          std::memcpy(&word, bytes.data() + at, std::min<std::size_t>(8, bytes.size() - at));
+          hash = (hash ^ word) * 0x100000001b3ull;
+        }
+      return hash;
+    }
+
+    class ByteWriter
+    {
+    public:
+      template <typename T>
+      void operator()(const T &value)
+      {
+        static_assert(std::is_trivially_copyable_v<T>);
+        const std::byte *first = reinterpret_cast<const std::byte *>(&value);
+        bytes_.insert(bytes_.end(), first, first + sizeof(T));
+      }
+
+      template <typename T>
+      void operator()(const std::vector<T> &values)
+      {
+        static_assert(std::is_trivially_copyable_v<T>);
+        const std::byte *first = reinterpret_cast<const std::byte *>(values.data());
+        bytes_.insert(bytes_.end(), first, first + values.size() * sizeof(T));
+      }
+
+      template <int rows, int columns>
+      void operator()(const Eigen::Matrix<double, rows, columns> &matrix)
+      {
+        for (Eigen::Index i = 0; i < matrix.size(); ++i)
+          (*this)(matrix.data()[i]);
+      }
+
+      std::vector<std::byte> &bytes() { return bytes_; }
+
+    private:
+      std::vector<std::byte> bytes_;
+    };
+
+    /** Takes back what a ByteWriter wrote; vectors have their length already. @pre the bytes suffice */
+    class ByteReader
+    {
+    public:
+      explicit ByteReader(std::span<const std::byte> bytes) : rest_(bytes) {}
+
+      template <typename T>
+      void operator()(T &value)
+      {
+        take(&value, sizeof(T));
+      }
+
+      template <typename T>
+      void operator()(std::vector<T> &values)
+      {
+        take(values.data(), values.size() * sizeof(T));
+      }
+
+      template <int rows, int columns>
+      void operator()(Eigen::Matrix<double, rows, columns> &matrix)
+      {
+        take(matrix.data(), matrix.size() * sizeof(double));
+      }
+
+    private:
+      void take(void *to, std::size_t n)
+      {
+        if (n > 0)
+          std::memcpy(to, rest_.data(), n);
+        rest_ = rest_.subspan(n);
+      }
+
+      std::span<const std::byte> rest_;
+    };
+
+    /** Shows every part of a state to `transfer`, in the order of the bytes: writing and reading cannot differ. */
+    template <typename State, typename Transfer>
+    void transfer_state(State &state, Transfer &transfer)
+    {
+      transfer(state.cell.edges);
+      transfer(state.cell.deformation);
+      auto &g = state.grains;
+      transfer(g.place);
+      transfer(g.velocity);
+      transfer(g.spin);
+      transfer(g.id);
+      transfer(g.parent);
+      transfer(g.generation);
+      transfer(g.strength);
+      transfer(g.crack_half_length);
+      transfer(g.crack_velocity);
+      transfer(g.largest_contact_stress);
+      for (auto &contact : state.contacts)
+        {
+          transfer(contact.a);
+          transfer(contact.b);
+          transfer(contact.shear_force);
+          transfer(contact.is_sliding);
+        }
+      transfer(state.stress);
+      transfer(state.rotation);
+      transfer(state.time);
+      transfer(state.unbalanced_ratio);
+      transfer(state.initial_solid_volume);
+      transfer(state.counters.cycles);
+      transfer(state.counters.broken_instant);
+      transfer(state.counters.broken_delayed);
+      transfer(state.counters.next_id);
+    }
+
+    constexpr std::size_t bytes_per_grain = 3 * sizeof(Row) + 2 * sizeof(GrainId) + sizeof(std::uint32_t) + 4 * 8;
+    constexpr std::size_t bytes_per_contact = 2 * sizeof(std::uint32_t) + 3 * sizeof(double) + sizeof(bool);
+    constexpr std::size_t bytes_of_the_rest = (4 * 9 + 3) * sizeof(double) + 4 * sizeof(std::uint64_t);
+
+    [[noreturn]] void reject(const std::string &why)
+    {
+      throw std::runtime_error("state of a REV: " + why);
+    }
+
+    /** The header, once magic, version, lengths and checksum have been found right. */
+    Header check_header(std::span<const std::byte> bytes)
+    {
+      const std::string n_given = std::to_string(bytes.size());
+      Header header{};
+      if (bytes.size() >= magic.size() && std::memcmp(bytes.data(), magic.data(), magic.size()) != 0)
+        reject("foreign: the bytes do not begin as one");
+      if (bytes.size() < sizeof(Header))
+        reject("truncated: " + n_given + " bytes do not hold its header");
+      std::memcpy(&header, bytes.data(), sizeof(Header));
+      if (header.version != version)
+        reject("wrong version: " + std::to_string(header.version) + ", this program reads " + std::to_string(version));
+      if (bytes.size() < header.n_bytes)
+        reject("truncated: " + n_given + " of " + std::to_string(header.n_bytes) + " bytes");
+      // The counts first: a corrupted one could overflow the product.
+      if (bytes.size() != header.n_bytes || header.n_grains > bytes.size() || header.n_contacts > bytes.size() ||
+          sizeof(Header) + header.n_grains * bytes_per_grain + header.n_contacts * bytes_per_contact +
+                  bytes_of_the_rest !=
+              bytes.size())
+        reject("corrupted: its lengths do not add up to " + n_given + " bytes");
+      if (compute_checksum(bytes.subspan(sizeof(Header))) != header.checksum)
+        reject("corrupted: the checksum does not fit");
+      return header;
+    }
+  } // namespace
+
+  std::vector<std::byte> serialise(const RevState &state)
+  {
+    ByteWriter writer;
+    writer.bytes().reserve(sizeof(Header) + state.grains.size() * bytes_per_grain +
+                           state.contacts.size() * bytes_per_contact + bytes_of_the_rest);
+    writer(Header{});
+    transfer_state(state, writer);
+    std::vector<std::byte> bytes = std::move(writer.bytes());
+    const std::span<const std::byte> body = std::span<const std::byte>(bytes).subspan(sizeof(Header));
+    const Header header{
+        magic, version, bytes.size(), state.grains.size(), state.contacts.size(), compute_checksum(body)};
+    std::memcpy(bytes.data(), &header, sizeof(Header));
+    return bytes;
+  }
+
+  RevState deserialise(std::span<const std::byte> bytes)
+  {
+    const Header header = check_header(bytes);
+    RevState state;
+    state.grains.resize(header.n_grains);
+    state.contacts.resize(header.n_contacts);
+    ByteReader reader(bytes.subspan(sizeof(Header)));
+    transfer_state(state, reader);
+    for (const ContactMemory &contact : state.contacts)
+      if (contact.a >= header.n_grains || contact.b >= header.n_grains)
+        reject("corrupted: a contact with a grain that is not there");
+    return state;
+  }
+
+  double compute_void_ratio(const RevState &state)
+  {
+    const double solids = compute_solid_volume(state.grains);
+    return (state.cell.compute_volume() - solids) / solids;
+  }
+
+  double compute_void_ratio_with_fines(const RevState &state)
+  {
+    return (state.cell.compute_volume() - state.initial_solid_volume) / state.initial_solid_volume;
+  }
+} // namespace dem
