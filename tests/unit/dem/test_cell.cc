@@ -71,6 +71,15 @@ TEST(Cell, LogarithmicStrainOfTinyStretch)
   EXPECT_NEAR(turned(1, 1), std::log1p(2. * e), 1e-15);
 }
 
+// A stretch of 1 + 2^-30 is exact in binary: its logarithm then has all its digits, not the eight that 1 + x leaves.
+TEST(Cell, LogarithmicStrainLosesNoDigits)
+{
+  const double e = 0x1p-30;
+  const Matrix strain = dem::compute_logarithmic_strain(diagonal(1. + e, 1. - e, 1.));
+  EXPECT_NEAR(strain(0, 0), std::log1p(e), 1e-15 * e); // a few roundings
+  EXPECT_NEAR(strain(1, 1), std::log1p(-e), 1e-15 * e);
+}
+
 // A cell that leans by no more than half an edge is left as it is, at exactly half as well.
 TEST(Cell, ReductionIsIdentityWhereNoneIsNeeded)
 {
