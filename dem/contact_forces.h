@@ -1,0 +1,41 @@
+#pragma once
+
+#include "dem/contact_law.h"
+#include "dem/contact_network.h"
+
+namespace dem
+{
+  /** What acts on the grains. */
+  struct Forces
+  {
+    std::vector<Row> force;  ///< x, y, z [N]; w: sum of kn over the grain's contacts [N/m]
+    std::vector<Row> torque; ///< x, y, z [N m]; w: sum of kn (lever arm)^2 [N m]; filled when rotation is free
+  };
+
+  /** Sums over all contacts, found on the way. */
+  struct ContactSums
+  {
+    Matrix force_times_branch = Matrix::Zero(); ///< sum of f_a x (x_b - x_a) [N m]
+    double normal_force = 0.;                   ///< sum of N [N]
+    double stiffness_moment = 0.;               ///< sum of kn |x_b - x_a|^2 [N m]
+    std::size_t n_touching = 0;
+  };
+
+  /** How the grains have moved since forces were last computed. */
+  struct Motion
+  {
+    double time_step = 1.;                    ///< dt [s], or 1 cycle
+    Matrix strain_increment = Matrix::Zero(); ///< L dt of the cell: its affine part belongs to the relative velocity
+    bool is_rotation_free = false;
+  };
+
+  /**
+   * The hot loop: forces of all touching pairs, their shear history brought up to date (docs/theory.md Eq. 8-11).
+   *
+   * Relative displacement at a contact: (v_b - v_a) dt + L dt (x_b - x_a) plus the spins' part. The shear force turns
+   * with the contact plane (and with the grains' mean spin about the normal when they turn), grows by kt du_t with the
+   * current kn, and is capped at mu N.
+   */
+  ContactSums compute_contact_forces(const RevState &state, const ContactLaw &law, const Motion &motion,
+                                     ContactNetwork &network, Forces &forces);
+} // namespace dem

@@ -1,0 +1,131 @@
+#include "dem/dynamics.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace dem
+{
+  namespace
+  {
+    double compute_mean_radius(const Grains &grains)
+    {
+      double sum = 0.;
+      for (const Row &place : grains.place)
+        sum += place.w;
+      return sum / static_cast<double>(std::max<std::size_t>(1, grains.size()));
+    }
+
+    /** Chooses the basis of the lattice that is closest to upright; the grains stay where they are. */
+    void reduce_lattice(RevState &state)
+    {
+      const Matrix change = compute_reduction(state.cell);
+      if (change == Matrix::Identity())
+        return;
+      state.cell.edges = (state.cell.edges * change).eval();
+      const Matrix inverse = change.inverse().array().round().matrix();
+      for (Row &place : state.grains.place)
+        {
+          const Vector fraction = inverse * to_vector(place);
+          place = {fraction.x(), fraction.y(), fraction.z(), place.w};
+        }
+    }
+
+    void take_velocities_away(Grains &grains)
+    {
+      for (Row &velocity : grains.velocity)
+        velocity.x = velocity.y = velocity.z = 0.;
+      for (Row &spin : grains.spin)
+        spin.x = spin.y = spin.z = 0.;
+    }
+  } // namespace
+
+  Dynamics::Dynamics(RevState &state, const ContactLaw &law, const DynamicsRule &rule)
+      : state_(state), law_(law), rule_(rule)
+  {
+    motion_.is_rotation_free = rule.motion.is_rotation_free;
+    motion_.time_step = 0.; // the first forces follow no motion
+    if (!rule.motion.has_true_masses)
+      take_velocities_away(state_.grains);
+    rebuild();
+  }
+
+  void Dynamics::rebuild()
+  {
+    reduce_lattice(state_);
+    const double skin = rule_.skin_share * compute_mean_radius(state_.grains);
+    is_wide_enough_ = dem::is_wide_enough(state_.cell, compute_reach(state_.grains, skin));
+    if (is_wide_enough_)
+      network_ = build_contact_network(state_, skin);
+    travel_ = 0.;
+  }
+
+  void Dynamics::compute_forces()
+  {
+    // The bound on travel is cheap; the exact check is made only once the bound says that it might matter.
+    if (travel_ > 0.5 * network_.skin)
+      {
+        const double used = compute_used_skin(network_, state_.cell, state_.grains);
+        travel_ = 0.5 * used;
+        if (used > 0.8 * network_.skin)
+          {
+            state_.contacts = collect_memories(network_);
+            rebuild();
+            if (!is_wide_enough_)
+              return;
+          }
+      }
+    sums_ = compute_contact_forces(state_, law_, motion_, network_, forces_);
+    if (kinetics_.inverse_mass.size() != state_.grains.size())
+      refresh_masses();
+  }
+
+  void Dynamics::refresh_masses()
+  {
+    update_kinetics(kinetics_, rule_.motion, state_.grains, forces_);
+  }
+
+  void Dynamics::advance(const Matrix &strain_increment)
+  {
+    const double step = advance_grains(state_.grains, state_.cell, forces_, kinetics_, rule_.motion);
+    travel_ += step + 0.5 * strain_increment.norm() * network_.reach;
+    if (!strain_increment.isZero(0.))
+      state_.cell.deform(Matrix::Identity() + strain_increment);
+    motion_.time_step = kinetics_.time_step;
+    motion_.strain_increment = strain_increment;
+    ++n_cycles_;
+  }
+
+  void Dynamics::store()
+  {
+    state_.contacts = collect_memories(network_);
+    state_.stress = compute_stress();
+    state_.unbalanced_ratio = compute_unbalanced_ratio();
+    state_.counters.cycles += n_cycles_;
+    n_cycles_ = 0;
+    if (!rule_.motion.has_true_masses)
+      take_velocities_away(state_.grains);
+    for (Row &place : state_.grains.place) // the same grains, but fractions keep their precision
+      {
+        place.x -= std::floor(place.x);
+        place.y -= std::floor(place.y);
+        place.z -= std::floor(place.z);
+      }
+  }
+
+  Matrix Dynamics::compute_stress() const
+  {
+    return sums_.force_times_branch / state_.cell.compute_volume();
+  }
+
+  double Dynamics::compute_unbalanced_ratio() const
+  {
+    if (sums_.n_touching == 0)
+      return 0.;
+    return compute_mean_resultant(forces_) / (sums_.normal_force / static_cast<double>(sums_.n_touching));
+  }
+
+  double Dynamics::compute_stiffness() const
+  {
+    return sums_.stiffness_moment / (3. * state_.cell.compute_volume());
+  }
+} // namespace dem

@@ -1,0 +1,64 @@
+#pragma once
+
+#include "dem/motion.h"
+
+namespace dem
+{
+  /** Parameters of a REV's motion. */
+  struct DynamicsRule
+  {
+    MotionRule motion;
+    double skin_share = 0.1; ///< skin of the contact network over the mean radius [-]
+  };
+
+  /**
+   * A REV in motion: its state and what a sequence of cycles needs beside it (network, forces, masses). Made afresh for
+   * each dynamic computation, from the state alone, so that a restart finds the same bits.
+   *
+   * One cycle is `compute_forces` then `advance`; between them forces, shear history and stress belong to the present
+   * positions.
+   */
+  class Dynamics
+  {
+  public:
+    /** Scaled masses: the grains start at rest. @param state outlives this. */
+    Dynamics(RevState &state, const ContactLaw &law, const DynamicsRule &rule);
+
+    void compute_forces();
+
+    /** Moves grains by their velocities and strains the cell: F <- (1 + increment) F. */
+    void advance(const Matrix &strain_increment);
+
+    /** Masses and time step for the present contacts; to be called now and then, since stiffness changes. */
+    void refresh_masses();
+
+    /** For a state whose grains have been replaced from outside: network and arrays anew. */
+    void rebuild();
+
+    /** Writes shear history, stress and unbalanced ratio into the state; scaled masses: takes velocities away. */
+    void store();
+
+    /** False once the cell is narrower than two reaches: then nothing may be computed. */
+    bool is_wide_enough() const { return is_wide_enough_; }
+
+    Matrix compute_stress() const;           ///< Love-Weber [Pa], tension-positive
+    double compute_unbalanced_ratio() const; ///< mean resultant force over mean normal contact force [-]
+    double compute_stiffness() const;        ///< (1/3V) sum of kn |branch|^2 [Pa], an upper bound of the P-wave modulus
+    double get_time_step() const { return kinetics_.time_step; }
+    std::size_t get_n_cycles() const { return n_cycles_; }
+    const ContactNetwork &get_network() const { return network_; }
+
+  private:
+    RevState &state_;
+    const ContactLaw &law_;
+    const DynamicsRule rule_;
+    ContactNetwork network_;
+    Forces forces_;
+    Kinetics kinetics_;
+    ContactSums sums_;
+    Motion motion_;
+    double travel_ = 0.; // bound on any grain's way since the network was built [m]
+    bool is_wide_enough_ = true;
+    std::size_t n_cycles_ = 0;
+  };
+} // namespace dem

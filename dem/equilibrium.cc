@@ -1,0 +1,171 @@
+#include "dem/equilibrium.h"
+
+#include "dem/homogenisation.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace dem
+{
+  namespace
+  {
+    constexpr std::size_t cycles_between_checks = 10;
+
+    double compute_largest_target(const CellControl &control)
+    {
+      double largest = 0.;
+      for (int m = 0; m < 6; ++m)
+        if (control.is_stress_controlled[m])
+          largest = std::max(largest, std::abs(control.target_stress(tangent_index[m][0], tangent_index[m][1])));
+      return largest;
+    }
+
+    /** Strain increments cycle by cycle: the prescribed part in equal shares, the servo's from the stress error. */
+    class CellDriver
+    {
+    public:
+      CellDriver(const CellControl &control, const EquilibriumRule &rule)
+          : control_(control), rule_(rule), stretch_(control.stretch)
+      {
+        for (int m = 0; m < 6; ++m)
+          if (control.is_stress_controlled[m])
+            set(stretch_, m, m < 3 ? 1. : 0.);
+        const double size = (stretch_ - Matrix::Identity()).cwiseAbs().maxCoeff();
+        n_straining_ = static_cast<std::size_t>(std::ceil(size / rule.strain_per_cycle));
+      }
+
+      std::size_t get_n_straining() const { return n_straining_; }
+
+      /** L dt of this cycle. Without a servo the shares multiply up to the stretch to the last bit but rounding. */
+      Matrix compute_increment(const std::size_t cycle, const Matrix &stress, const double stiffness) const
+      {
+        Matrix increment = Matrix::Zero();
+        if (cycle < n_straining_)
+          {
+            const Matrix share = (stretch_ - Matrix::Identity()) / static_cast<double>(n_straining_);
+            const Matrix so_far = Matrix::Identity() + static_cast<double>(cycle) * share;
+            increment = share * so_far.inverse();
+          }
+        for (int m = 0; m < 6; ++m)
+          if (control_.is_stress_controlled[m])
+            set(increment, m, compute_servo_strain(m, stress, stiffness));
+        return increment;
+      }
+
+      double compute_deviation(const int m, const Matrix &stress) const
+      {
+        const int i = tangent_index[m][0], j = tangent_index[m][1];
+        return 0.5 * (stress(i, j) + stress(j, i)) - control_.target_stress(i, j);
+      }
+
+    private:
+      static void set(Matrix &matrix, const int m, const double value)
+      {
+        matrix(tangent_index[m][0], tangent_index[m][1]) = value;
+        matrix(tangent_index[m][1], tangent_index[m][0]) = value;
+      }
+
+      double compute_servo_strain(const int m, const Matrix &stress, const double stiffness) const
+      {
+        const double error = -compute_deviation(m, stress);
+        const double bound = rule_.strain_per_cycle;
+        // Before the first contact there is no stiffness: close in at the largest rate.
+        const double strain = stiffness > 0. ? rule_.servo_gain * error / stiffness : std::copysign(bound, error);
+        return std::clamp(strain, -bound, bound);
+      }
+
+      const CellControl &control_;
+      const EquilibriumRule &rule_;
+      Matrix stretch_;
+      std::size_t n_straining_ = 0;
+    };
+
+    bool is_at_rest(const CellDriver &driver, const CellControl &control, const EquilibriumRule &rule,
+                    const Dynamics &dynamics, const std::size_t cycle)
+    {
+      if (rule.fixed_cycles > 0)
+        return cycle >= std::max(rule.fixed_cycles, driver.get_n_straining());
+      if (cycle < driver.get_n_straining() || dynamics.compute_unbalanced_ratio() >= rule.unbalanced_ratio)
+        return false;
+      const double tolerance = rule.stress_tolerance * compute_largest_target(control);
+      const Matrix stress = dynamics.compute_stress();
+      for (int m = 0; m < 6; ++m)
+        if (control.is_stress_controlled[m] && std::abs(driver.compute_deviation(m, stress)) > tolerance)
+          return false;
+      return true;
+    }
+
+    void record_deviations(const CellDriver &driver, const CellControl &control, const Matrix &stress,
+                           RestReport &report)
+    {
+      for (int m = 0; m < 6; ++m)
+        if (control.is_stress_controlled[m])
+          {
+            const double deviation = driver.compute_deviation(m, stress);
+            report.largest_deviation[m] = std::max(report.largest_deviation[m], deviation);
+            report.smallest_deviation[m] = std::min(report.smallest_deviation[m], deviation);
+          }
+    }
+
+    RestStatus run_cycles(Dynamics &dynamics, const EquilibriumRule &rule, const CellControl &control,
+                          RestReport &report)
+    {
+      const CellDriver driver(control, rule);
+      const bool has_servo = control.has_servo();
+      for (std::size_t cycle = 0;; ++cycle)
+        {
+          if (!dynamics.is_wide_enough())
+            return RestStatus::cell_too_narrow;
+          dynamics.compute_forces();
+          report.n_cycles = cycle;
+          const Matrix stress = has_servo ? dynamics.compute_stress() : Matrix::Zero();
+          if (has_servo)
+            record_deviations(driver, control, stress, report);
+          if (cycle % cycles_between_checks == 0)
+            {
+              if (!std::isfinite(dynamics.compute_unbalanced_ratio()))
+                return RestStatus::not_finite;
+              if (is_at_rest(driver, control, rule, dynamics, cycle))
+                return RestStatus::at_rest;
+              dynamics.refresh_masses();
+            }
+          if (cycle >= std::max(rule.cycle_cap, rule.fixed_cycles + driver.get_n_straining()))
+            return RestStatus::cap_reached;
+          dynamics.advance(driver.compute_increment(cycle, stress, has_servo ? dynamics.compute_stiffness() : 0.));
+        }
+    }
+  } // namespace
+
+  bool CellControl::has_servo() const
+  {
+    return std::any_of(is_stress_controlled.begin(), is_stress_controlled.end(), [](const bool is) { return is; });
+  }
+
+  const char *describe(const RestStatus status)
+  {
+    switch (status)
+      {
+      case RestStatus::at_rest:
+        return "at rest";
+      case RestStatus::cap_reached:
+        return "still moving after the cap of cycles";
+      case RestStatus::not_finite:
+        return "a force is not a number";
+      case RestStatus::cell_too_narrow:
+        return "the cell is narrower than two largest diameters plus skin";
+      }
+    return "unknown";
+  }
+
+  RestReport bring_to_rest(RevState &state, const ContactLaw &law, const DynamicsRule &dynamics_rule,
+                           const EquilibriumRule &rule, const CellControl &control)
+  {
+    Dynamics dynamics(state, law, dynamics_rule);
+    RestReport report;
+    report.status = run_cycles(dynamics, rule, control, report);
+    if (report.status != RestStatus::cell_too_narrow)
+      dynamics.store();
+    report.unbalanced_ratio = state.unbalanced_ratio;
+    return report;
+  }
+} // namespace dem

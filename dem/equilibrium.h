@@ -1,0 +1,59 @@
+#pragma once
+
+#include "dem/dynamics.h"
+
+#include <array>
+#include <limits>
+
+namespace dem
+{
+  /** When a REV is at rest. */
+  struct EquilibriumRule
+  {
+    double unbalanced_ratio = 1e-4; ///< mean resultant on a grain over mean normal contact force, below [-]
+    double stress_tolerance = 2e-3; ///< of the controlled stress, relative to the largest target [-]
+    std::size_t fixed_cycles = 0;   ///< run just so many instead (150000 in the time-to-fracture paper); 0: criterion
+    std::size_t cycle_cap = 200000; ///< give up beyond this
+    double strain_per_cycle = 1e-5; ///< largest entry of a cell's strain increment in one cycle [-]
+    double servo_gain = 0.02;       ///< share of the stress error that one cycle's strain takes away [-]
+  };
+
+  /** Six components xx, yy, zz, xy, yz, xz: each is strained or held at a stress. */
+  struct CellControl
+  {
+    Matrix stretch = Matrix::Identity(); ///< symmetric, total for this run; entries under stress control unused
+    std::array<bool, 6> is_stress_controlled{};
+    Matrix target_stress = Matrix::Zero(); ///< [Pa], tension-positive; entries under strain control unused
+
+    bool has_servo() const;
+  };
+
+  /** How a run to equilibrium ended. */
+  enum class RestStatus
+  {
+    at_rest,
+    cap_reached,    ///< still moving after the cap of cycles
+    not_finite,     ///< a force or a stress is not a number
+    cell_too_narrow ///< narrower than two largest diameters plus skin
+  };
+
+  const char *describe(RestStatus status);
+
+  struct RestReport
+  {
+    RestStatus status = RestStatus::at_rest;
+    std::size_t n_cycles = 0;
+    double unbalanced_ratio = std::numeric_limits<double>::quiet_NaN();
+    /** Largest and smallest deviation of each controlled stress from its target on the way [Pa]. */
+    std::array<double, 6> largest_deviation{}, smallest_deviation{};
+  };
+
+  /**
+   * Strains the cell as told, holds the stresses as told, until the REV is at rest; fracture frozen. Nothing runs when
+   * there is nothing to do: identity stretch, no servo and a state that is at rest already keep every bit.
+   *
+   * @post the state's contacts, stress, unbalanced ratio and cycle count are those of the end, at rest or not
+   */
+  RestReport bring_to_rest(RevState &state, const ContactLaw &law, const DynamicsRule &dynamics,
+                           const EquilibriumRule &rule, const CellControl &control);
+} // namespace dem

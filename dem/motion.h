@@ -1,0 +1,46 @@
+#pragma once
+
+#include "dem/contact_forces.h"
+
+namespace dem
+{
+  /** How grains move towards equilibrium. */
+  struct MotionRule
+  {
+    bool is_rotation_free = false; ///< false: grains cannot turn, which stands for the interlock of angular grains
+    bool has_true_masses = false;  ///< false: masses follow the contact stiffness, one cycle is the unit of time
+    double density = 2650.;        ///< of the grains [kg/m3]
+    double local_damping = 0.7;    ///< share of a force taken away where it drives, added where it brakes [-]
+    double time_step_share = 0.5;  ///< time step over the critical one, true masses [-]
+  };
+
+  /** Masses as the motion uses them, and the time step that they allow. */
+  struct Kinetics
+  {
+    std::vector<double> inverse_mass;    ///< [1/kg]
+    std::vector<double> inverse_inertia; ///< [1/(kg m2)]
+    double time_step = 1.;               ///< [s], or 1 cycle
+  };
+
+  /** Sets true mass and moment of inertia of every grain from its radius. */
+  void update_true_masses(Grains &grains, double density);
+
+  /**
+   * Masses and time step for the present contacts.
+   *
+   * Scaled: m = sum of kn dt^2 with dt = 1, at least a fifth of the mean: by Gershgorin no frequency exceeds sqrt(2)
+   * per cycle (limit 2), whatever the size of a grain. True: dt = share * min over grains of sqrt(2 m / sum kn).
+   */
+  void update_kinetics(Kinetics &kinetics, const MotionRule &rule, const Grains &grains, const Forces &forces);
+
+  /**
+   * One leapfrog step with local (non-viscous) damping, F (1 - alpha sign(F v)) in each component.
+   *
+   * @return largest displacement of a grain beside the cell's own motion [m]
+   */
+  double advance_grains(Grains &grains, const Cell &cell, const Forces &forces, const Kinetics &kinetics,
+                        const MotionRule &rule);
+
+  /** Mean resultant force on a grain [N]. */
+  double compute_mean_resultant(const Forces &forces);
+} // namespace dem

@@ -1,0 +1,119 @@
+#include "dem/rev.h"
+
+#include "dem/ageing.h"
+
+namespace dem
+{
+  namespace
+  {
+    std::vector<double> list_radii(const Grains &grains)
+    {
+      std::vector<double> radii(grains.size());
+      for (std::size_t i = 0; i < radii.size(); ++i)
+        radii[i] = grains.place[i].w;
+      return radii;
+    }
+  } // namespace
+
+  Rev::Rev(const RevModel &model, const RevState &state)
+      : model_(model), law_(make_contact_law(model.material)), committed_(state), baseline_(state), trial_(state)
+  {}
+
+  RestReport Rev::bring_to_rest(RevState &state, const CellControl &control) const
+  {
+    const RestReport report = dem::bring_to_rest(state, law_, model_.dynamics, model_.equilibrium, control);
+    if (report.status == RestStatus::at_rest)
+      update_crack_velocities(state.grains, list_contacts(state, law_), model_.fracture);
+    return report;
+  }
+
+  RestReport Rev::deform(const Matrix &stretch)
+  {
+    trial_ = baseline_;
+    if (stretch == Matrix::Identity())
+      {
+        RestReport report;
+        report.unbalanced_ratio = trial_.unbalanced_ratio;
+        return report;
+      }
+    CellControl control;
+    control.stretch = stretch;
+    return bring_to_rest(trial_, control);
+  }
+
+  RestReport Rev::control(const CellControl &control)
+  {
+    trial_ = baseline_;
+    return bring_to_rest(trial_, control);
+  }
+
+  RestReport Rev::relax()
+  {
+    return bring_to_rest(baseline_, CellControl{});
+  }
+
+  double Rev::compute_time_to_next_batch(const unsigned int n_cuts) const
+  {
+    return compute_time_to_batch(baseline_.grains,
+                                 compute_batch_limit(model_.fracture, baseline_.grains.size(), n_cuts));
+  }
+
+  std::size_t Rev::age(const double dt)
+  {
+    const auto contacts = list_contacts(baseline_, law_);
+    const auto broken = advance_cracks(baseline_.grains, dt);
+    split_grains(baseline_, broken, contacts, model_.fracture, model_.identity);
+    baseline_.time += dt;
+    baseline_.counters.broken_delayed += broken.size();
+    return broken.size();
+  }
+
+  std::size_t Rev::count_overstressed() const
+  {
+    return list_overstressed(baseline_.grains, model_.fracture).size();
+  }
+
+  std::size_t Rev::split_overstressed()
+  {
+    auto places = list_overstressed(baseline_.grains, model_.fracture);
+    places.resize(std::min(places.size(), compute_batch_limit(model_.fracture, baseline_.grains.size())));
+    if (places.empty())
+      return 0;
+    split_grains(baseline_, places, list_contacts(baseline_, law_), model_.fracture, model_.identity);
+    baseline_.counters.broken_instant += places.size();
+    return places.size();
+  }
+
+  void Rev::revert()
+  {
+    baseline_ = committed_;
+    trial_ = committed_;
+  }
+
+  Tangent Rev::compute_tangent(const TangentKind kind) const
+  {
+    const auto contacts = list_contacts(baseline_, law_);
+    const auto radii = list_radii(baseline_.grains);
+    const ContactGraph graph{contacts, radii, baseline_.cell.compute_volume(), model_.dynamics.motion.is_rotation_free};
+    return kind == TangentKind::condensed ? compute_condensed_tangent(graph) : compute_affine_tangent(graph);
+  }
+
+  Rev make_rev(const RevModel &model, RevState packing)
+  {
+    packing.time = 0.;
+    packing.cell.deformation = Matrix::Identity();
+    packing.rotation = Matrix::Identity();
+    packing.initial_solid_volume = compute_solid_volume(packing.grains);
+    packing.counters = Counters{};
+    for (std::size_t i = 0; i < packing.grains.size(); ++i)
+      {
+        packing.grains.id[i] = packing.grains.parent[i] = i;
+        packing.grains.generation[i] = 0;
+      }
+    packing.counters.next_id = packing.grains.size();
+    update_true_masses(packing.grains, model.dynamics.motion.density);
+    draw_strengths(packing.grains, model.fracture, model.identity);
+    update_crack_velocities(packing.grains, list_contacts(packing, make_contact_law(model.material)), model.fracture);
+    return Rev(model, packing);
+  }
+} // namespace dem

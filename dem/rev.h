@@ -1,0 +1,90 @@
+#pragma once
+
+#include "dem/breakage.h"
+#include "dem/equilibrium.h"
+#include "dem/homogenisation.h"
+
+namespace dem
+{
+  /** Every parameter of a REV. */
+  struct RevModel
+  {
+    GrainMaterial material;
+    FractureRule fracture;
+    DynamicsRule dynamics;
+    EquilibriumRule equilibrium;
+    RevIdentity identity;
+  };
+
+  enum class TangentKind
+  {
+    condensed,
+    affine
+  };
+
+  /**
+   * One representative volume of grains with its three states (docs/theory.md, section 8).
+   *
+   * committed: the last accepted step. baseline: committed, moved on by ageing and by each equilibrium accepted since.
+   * trial: the answer to the last question, which always starts at the baseline. Fracture is frozen in every question;
+   * only age() and split_overstressed() break grains, and both do so in the baseline.
+   */
+  class Rev
+  {
+  public:
+    /** All three states are `state`. */
+    Rev(const RevModel &model, const RevState &state);
+
+    /** Trial = baseline strained by a symmetric stretch at rest again. A stretch of exactly one keeps every bit. */
+    RestReport deform(const Matrix &stretch);
+
+    /** Trial = baseline with the given components held at stresses or strained, at rest again. */
+    RestReport control(const CellControl &control);
+
+    /** The trial becomes the baseline. */
+    void accept() { baseline_ = trial_; }
+
+    /** Time until the next batch of fractures in the baseline [s]; infinity: none. */
+    double compute_time_to_next_batch(unsigned int n_cuts = 0) const;
+
+    /** Moves the baseline on by dt [s] at frozen crack velocities; grains whose time has come split.
+     *  @return number of grains broken; then the baseline is not at rest */
+    std::size_t age(double dt);
+
+    /** Grains of the baseline whose limit force is exceeded. */
+    std::size_t count_overstressed() const;
+
+    /** Splits the most overstressed grains of the baseline, at most one batch. @return their number */
+    std::size_t split_overstressed();
+
+    /** Brings the baseline to rest at held strain. */
+    RestReport relax();
+
+    void commit() { committed_ = baseline_; }
+
+    /** Baseline and trial are dropped. */
+    void revert();
+
+    /** Tangent of the baseline in its own axes [Pa]. */
+    Tangent compute_tangent(TangentKind kind) const;
+
+    const RevState &get_committed() const { return committed_; }
+    const RevState &get_baseline() const { return baseline_; }
+    const RevState &get_trial() const { return trial_; }
+    const RevModel &get_model() const { return model_; }
+    const ContactLaw &get_law() const { return law_; }
+
+    /** Turns the trial's axes: Q in stress = Q sigma Q^T. */
+    void set_trial_rotation(const Matrix &rotation) { trial_.rotation = rotation; }
+
+  private:
+    RestReport bring_to_rest(RevState &state, const CellControl &control) const;
+
+    RevModel model_;
+    ContactLaw law_;
+    RevState committed_, baseline_, trial_;
+  };
+
+  /** A REV from a packing: strengths and cracks drawn, clocks and counters at zero. */
+  Rev make_rev(const RevModel &model, RevState packing);
+} // namespace dem
