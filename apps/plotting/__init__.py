@@ -1,0 +1,1 @@
+"""Figures from Slowsand's run folders. Each module owns one figure or one file format."""
