@@ -26,35 +26,35 @@ namespace fem
   /** A Gauss point as the solver introduces it, once, before the first step. */
   struct PointSite
   {
-    PointId                           id;
-    dealii::Point<3>                  position;       ///< [m]; axisymmetric: (r, z) stored as (x, 0, z)
-    dealii::SymmetricTensor<2, 3>     initial_stress; ///< [Pa], tension-positive
+    PointId id;
+    dealii::Point<3> position;                    ///< [m]; axisymmetric: (r, z) stored as (x, 0, z)
+    dealii::SymmetricTensor<2, 3> initial_stress; ///< [Pa], tension-positive
   };
 
   /** What the solver asks of one point. Always three-dimensional; z is axial, x radial and y hoop in axisymmetry. */
   struct PointRequest
   {
-    PointId              id;
+    PointId id;
     dealii::Tensor<2, 3> deformation_increment; ///< dF since the baseline [-]
   };
 
   /** What the point answers. Values not computed are NaN. */
   struct PointResponse
   {
-    Status                        status = Status::ok;
+    Status status = Status::ok;
     dealii::SymmetricTensor<2, 3> stress;  ///< Cauchy [Pa], tension-positive, in the solver's axes
     dealii::SymmetricTensor<4, 3> tangent; ///< d(Cauchy)/d(strain) in the current configuration [Pa]; minor symmetries,
                                            ///< not the major one; filled when asked for
     double unbalanced_ratio = std::numeric_limits<double>::quiet_NaN();
-    double cost_s           = 0.; ///< wall time [s]; never influences a decision that changes results
+    double cost_s = 0.; ///< wall time [s]; never influences a decision that changes results
   };
 
   /** What happened when the material was settled at a macro equilibrium. */
   struct Settlement
   {
-    unsigned int n_broken     = 0;     ///< grains split now, over all points; 0: the equilibrium stands
-    bool         is_excessive = false; ///< some point had more overstressed grains than one batch: halve if possible,
-                                       ///< otherwise settle again with accept_excess
+    unsigned int n_broken = 0; ///< grains split now, over all points; 0: the equilibrium stands
+    bool is_excessive = false; ///< some point had more overstressed grains than one batch: halve if possible,
+                               ///< otherwise settle again with accept_excess
     Status status = Status::ok;
   };
 
@@ -80,13 +80,13 @@ namespace fem
     /** True while a cut of level n_cuts still makes the next batch of events smaller. */
     virtual bool can_cut_events(unsigned int n_cuts) const = 0;
 
-    /** Moves the baseline on by dt [s], dt >= 0, at held strain (ageing, viscous flow). `status` other than ok: revert. */
+    /** Moves the baseline on by dt [s], dt >= 0, at held strain (ageing, viscous flow). `status` other than ok: revert.
+     */
     virtual Status begin_step(double dt) = 0;
 
     /** Trial answers for the given points; the tangent only if asked for. @pre responses.size() == requests.size() */
-    virtual void evaluate(std::span<const PointRequest> requests,
-                          std::span<PointResponse>      responses,
-                          bool                          with_tangent) = 0;
+    virtual void evaluate(std::span<const PointRequest> requests, std::span<PointResponse> responses,
+                          bool with_tangent) = 0;
 
     /** At a macro equilibrium: the last trial states become the baseline, then what is overstressed splits and relaxes
      *  at held strain. The solver's reference configuration moves with the baseline. With n_broken == 0 nothing was

@@ -1,0 +1,113 @@
+#pragma once
+
+#include "fem/geometry.h"
+#include "fem/linear_solver.h"
+#include "fem/mesh_input.h"
+
+#include <deal.II/dofs/dof_handler.h>
+#include <deal.II/fe/mapping.h>
+#include <deal.II/lac/affine_constraints.h>
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace fem
+{
+  enum class ConditionKind
+  {
+    displacement, ///< total displacement of one component since the start [m]
+    traction,     ///< one component of force per area [Pa], positive along the axis, of fixed direction
+    pressure      ///< normal force per area [Pa], positive pushes on the body; the normal follows the boundary
+  };
+
+  /** Which area a traction or pressure is measured on. Laboratory and field stresses are per current area. */
+  enum class AreaMeasure
+  {
+    current,
+    initial
+  };
+
+  /** A condition on a named boundary; it holds for the whole run, its value changes with the stages. */
+  struct BoundaryCondition
+  {
+    std::string boundary;
+    ConditionKind kind = ConditionKind::displacement;
+    std::string component;                   ///< "x", "y", "z" ("r" for x in axisymmetry); unused by pressure
+    double initial_value = 0.;               ///< before the first stage [m] or [Pa]
+    AreaMeasure area = AreaMeasure::current; ///< of tractions and pressures
+
+    /** Displacement [m] at an initial position [m] for a value of the condition; empty: the value itself. */
+    std::function<double(const dealii::Point<3> &position, double value)> profile = {};
+  };
+
+  /** What a named boundary feels: force on the body [N] (over 2 pi in axisymmetry; per metre in plane strain), in space
+   *  axes, and the average displacement [m] over its initial area. */
+  struct BoundaryResponse
+  {
+    std::string name;
+    dealii::Tensor<1, 3> force;
+    dealii::Tensor<1, 3> displacement;
+  };
+
+  /** The conditions of a problem, tied to its unknowns. */
+  template <int dim>
+  class BoundaryConditions
+  {
+  public:
+    /** Throws std::invalid_argument naming boundary or component and the known ones. Where two conditions prescribe the
+     *  same unknown, the first one listed holds. */
+    BoundaryConditions(const dealii::DoFHandler<dim> &dof_handler, const dealii::Mapping<dim> &mapping,
+                       Geometry geometry, const std::map<std::string, dealii::types::boundary_id> &boundary_ids,
+                       std::vector<BoundaryCondition> conditions);
+
+    /** Zero displacement of all prescribed unknowns: the constraints on corrections. */
+    const dealii::AffineConstraints<double> &get_constraints() const { return constraints_; }
+
+    const std::vector<BoundaryCondition> &get_conditions() const { return conditions_; }
+
+    /** True where the unknown of this rank is prescribed. */
+    bool is_prescribed(dealii::types::global_dof_index dof) const { return constraints_.is_constrained(dof); }
+
+    /** Writes the prescribed displacements [m] into the owned entries of the vector, one value a condition. */
+    void set_prescribed(const std::vector<double> &values, Vector &displacement) const;
+
+    /** Nodal forces [N] of tractions and pressures on the configuration given by the (ghosted) total displacement.
+     *  @param finite  false: areas and normals are the initial ones */
+    void assemble_external_forces(const std::vector<double> &values, const Vector &ghosted_displacement, bool finite,
+                                  Vector &forces) const;
+
+    /** Forces and displacements of all named boundaries; collective.
+     *  @param values    of the conditions, for their tractions
+     *  @param reactions internal minus external nodal forces [N]; an unknown that several boundaries prescribe gives
+     * each of them an equal share */
+    std::vector<BoundaryResponse> compute_responses(const std::vector<double> &values, const Vector &reactions,
+                                                    const Vector &ghosted_displacement, bool finite) const;
+
+  private:
+    struct PrescribedUnknown
+    {
+      dealii::types::global_dof_index dof;
+      unsigned int condition; ///< the one that gives its value
+      dealii::Point<3> position;
+      unsigned int axis;
+      std::vector<unsigned int> conditions; ///< all that prescribe it, for the sharing of its reaction
+    };
+
+    void check_conditions();
+    void collect_prescribed();
+    void measure_boundary(dealii::types::boundary_id id, const Vector &ghosted_displacement, BoundaryResponse &) const;
+    unsigned int find_component(const BoundaryCondition &condition) const;
+    void add_condition_forces(unsigned int condition, double value, const Vector &ghosted_displacement, bool finite,
+                              Vector *forces, dealii::Tensor<1, 3> &resultant) const;
+
+    const dealii::DoFHandler<dim> &dof_handler_;
+    const dealii::Mapping<dim> &mapping_;
+    Geometry geometry_;
+    std::map<std::string, dealii::types::boundary_id> boundary_ids_;
+    std::vector<BoundaryCondition> conditions_;
+    std::vector<unsigned int> components_;      ///< mesh component of each condition
+    std::vector<PrescribedUnknown> prescribed_; ///< owned ones
+    dealii::AffineConstraints<double> constraints_;
+  };
+} // namespace fem

@@ -1,0 +1,37 @@
+#pragma once
+
+#include "fem/quasi_static_problem.h"
+
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace fem
+{
+  /**
+   * Writes FOLDER/fields/NAME_0001.pvtu and so on, and FOLDER/NAME.pvd with their times after each output: valid if the
+   * run dies. Displacement [m] at the nodes; a cell's averages of stress [Pa] and strain [-], COMPRESSION-POSITIVE (the
+   * only place of this room that turns signs), and of the material's own fields.
+   *
+   * Collective over MPI_COMM_WORLD. Where every rank holds the whole problem, rank 0 writes.
+   */
+  class FieldOutput
+  {
+  public:
+    /** @param folder  the run folder @param name  of the series
+     *  @param resume_time [s]  outputs of an existing series up to here are kept, later ones dropped; negative: none
+     * kept Throws std::runtime_error naming the path. */
+    FieldOutput(const std::string &folder, const std::string &name, double resume_time = -1.);
+
+    template <int dim>
+    void write(const QuasiStaticProblem<dim> &problem, double time);
+
+  private:
+    void read_series(double resume_time);
+    void write_series() const;
+
+    std::string folder_;
+    std::string name_;
+    std::vector<std::pair<double, std::string>> times_and_files_;
+  };
+} // namespace fem

@@ -1,0 +1,145 @@
+#pragma once
+
+#include "fem/assembly.h"
+#include "fem/boundary_conditions.h"
+#include "fem/constitutive_model.h"
+#include "fem/kinematics.h"
+#include "fem/mesh_input.h"
+#include "fem/newton_solver.h"
+
+#include <deal.II/fe/fe_system.h>
+#include <deal.II/fe/mapping_q.h>
+
+#include <functional>
+#include <memory>
+
+namespace fem
+{
+  struct ProblemParameters
+  {
+    Geometry geometry = Geometry::axisymmetric;
+    Kinematics kinematics = Kinematics::finite;
+    unsigned int degree = 1; ///< of the elements, 1 or 2; degree + 1 Gauss points a direction
+    LinearSolverParameters linear_solver;
+    NewtonParameters newton;
+  };
+
+  /** A Gauss point as it stands after the last committed step; deformation is total, since the start. */
+  struct PointState
+  {
+    PointId id = dealii::numbers::invalid_unsigned_int;
+    dealii::Point<3> position;            ///< initial [m], in space axes
+    dealii::Tensor<2, 3> deformation;     ///< gradient F [-]
+    dealii::SymmetricTensor<2, 3> stress; ///< Cauchy [Pa], tension-positive
+    dealii::SymmetricTensor<2, 3> strain; ///< logarithmic (small kinematics: linear) [-], tension-positive
+  };
+
+  /**
+   * One boundary value problem: mesh, unknowns, conditions and the material at the Gauss points.
+   *
+   * Unknowns are total displacements since the start; committed, baseline and trial ones follow the material's three
+   * states. With finite kinematics the baseline is the reference configuration (updated Lagrangian): the material is
+   * asked with dF = I + grad(u - u_baseline) F_baseline^-1, residual and tangent live in the trial configuration.
+   *
+   * All members are collective over the communicator of the mesh. On MPI_COMM_SELF every rank computes the same bits.
+   */
+  template <int dim>
+  class QuasiStaticProblem : private NonlinearSystem
+  {
+  public:
+    using StressField = std::function<dealii::SymmetricTensor<2, 3>(const dealii::Point<3> &)>;
+
+    /** Numbers the unknowns and introduces the Gauss points to the material.
+     *  @param initial_stress [Pa], tension-positive; empty: none. Throws std::invalid_argument for impossible input. */
+    QuasiStaticProblem(Mesh<dim> mesh, const std::vector<BoundaryCondition> &conditions,
+                       const ProblemParameters &parameters, ConstitutiveModel &material,
+                       const StressField &initial_stress = {});
+
+    /** Finds the equilibrium under the given values, one a condition ([m] or [Pa]), from the baseline.
+     *  @param is_step_start  first equilibrium since commit or revert */
+    NewtonResult equilibrate(const std::vector<double> &values, bool is_step_start);
+
+    /** The trial configuration becomes the baseline: the material has settled. */
+    void move_baseline();
+
+    /** The baseline becomes history. @pre move_baseline() was called last */
+    void commit();
+
+    /** Back to the committed configuration. */
+    void revert();
+
+    /** Forces and displacements of the named boundaries at the last equilibrium. */
+    std::vector<BoundaryResponse> compute_boundary_responses() const;
+
+    /** The Gauss point nearest to an initial position, as committed. */
+    PointState compute_nearest_point_state(const dealii::Point<3> &position) const;
+
+    /** Committed states of this rank's Gauss points, cell by cell. */
+    std::vector<PointState> compute_point_states() const;
+
+    /** What a checkpoint must hold of this rank's part beside the material: see checkpoint.h. */
+    struct State
+    {
+      std::vector<double> displacement; ///< committed, owned entries [m]
+      std::vector<double> stress;       ///< six a point in deal.II's order [Pa]
+      std::vector<double> secants;      ///< step and change of each carried pair, owned entries
+      std::vector<double> values;       ///< of the conditions at the last commit
+    };
+    State get_state() const;
+    void set_state(const State &state);
+    std::vector<double> compute_fingerprint() const; ///< dim, degree, cells, unknowns, volume and centre of the mesh
+
+    const std::vector<BoundaryCondition> &get_conditions() const { return boundary_->get_conditions(); }
+    const dealii::DoFHandler<dim> &get_dof_handler() const { return dof_handler_; }
+    const dealii::Mapping<dim> &get_mapping() const { return *mapping_; }
+    const Vector &get_displacement() const { return ghosted_; } ///< total, trial, ghosted [m]
+    ConstitutiveModel &get_material() const { return material_; }
+    MPI_Comm get_communicator() const { return mesh_.triangulation->get_communicator(); }
+    unsigned int get_n_points_per_cell() const { return assembly_->get_n_points_per_cell(); }
+    Geometry get_geometry() const { return parameters_.geometry; }
+
+  private:
+    Status linearise(bool refresh_tangent, Vector &residual) override;
+    Status evaluate(const Vector &increment, Vector &residual) override;
+    void solve_linearised(const Vector &residual, Vector &solution) override;
+    void impose_boundary(Vector &increment) const override;
+    double compute_condensed_norm(const Vector &residual) override;
+    double compute_norm(const Vector &residual) const override;
+    double compute_force_scale() const override { return force_scale_; }
+    Vector create_vector() const override { return Vector(owned_, get_communicator()); }
+
+    void number_unknowns();
+    void introduce_points(const StressField &initial_stress);
+    void set_trial(const Vector &increment);
+    Status ask_material(const Vector &increment, bool with_tangent);
+    void refresh_stiffness();
+    void compute_residual(const Vector &increment, Vector &residual);
+    Vector condense(const Vector &residual) const;
+
+    ProblemParameters parameters_;
+    ConstitutiveModel &material_;
+    Mesh<dim> mesh_;
+    dealii::FESystem<dim> element_;
+    std::unique_ptr<dealii::MappingQ<dim>> mapping_;
+    dealii::DoFHandler<dim> dof_handler_;
+    dealii::IndexSet owned_, relevant_;
+    std::unique_ptr<Assembly<dim>> assembly_;
+    std::unique_ptr<BoundaryConditions<dim>> boundary_;
+
+    NewtonSolver newton_;
+    LinearSolver linear_solver_;
+    Matrix stiffness_;   ///< of all unknowns: K_fc carries missing boundary displacements
+    Matrix constrained_; ///< with prescribed unknowns eliminated: what is factorised
+
+    Vector committed_, baseline_, trial_; ///< total displacements [m], owned entries
+    Vector ghosted_;                      ///< trial, with the entries that this rank's cells need
+    Vector reactions_;                    ///< internal minus external forces [N]
+    std::vector<double> values_, committed_values_;
+    double force_scale_ = 0.;
+
+    std::vector<PointRequest> requests_;
+    std::vector<PointResponse> responses_;
+    std::vector<dealii::Tensor<2, 3>> deformations_, baseline_deformations_; ///< total F of this rank's points
+    std::vector<dealii::SymmetricTensor<2, 3>> committed_stresses_;
+  };
+} // namespace fem
