@@ -1,7 +1,9 @@
 #include "dem/contact_forces.h"
 
+#include "dem/fracture.h"
 #include "dem/power.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace dem
@@ -172,6 +174,13 @@ namespace dem
               add(forces.torque[b], pair.arm_b * moment, pair.arm_b * pair.arm_b * block.stiffness[i]);
             }
           sums.force_times_branch += force * branch.transpose();
+          if (motion.has_contact_stress)
+            {
+              const double stress = compute_contact_stress(
+                  block.force[i], compute_effective_radius(grains.place[a].w, grains.place[b].w), block.overlap[i]);
+              forces.largest_stress[a] = std::max(forces.largest_stress[a], stress);
+              forces.largest_stress[b] = std::max(forces.largest_stress[b], stress);
+            }
           sums.normal_force += block.force[i];
           sums.stiffness_moment += block.stiffness[i] * block.distance[i] * block.distance[i];
         }
@@ -185,6 +194,8 @@ namespace dem
     forces.force.assign(state.grains.size(), Row{});
     if (motion.is_rotation_free)
       forces.torque.assign(state.grains.size(), Row{});
+    if (motion.has_contact_stress)
+      forces.largest_stress.assign(state.grains.size(), 0.);
     ContactSums sums;
     Block block;
     for (std::size_t begin = 0; begin < network.size(); begin += Block::capacity)

@@ -10,6 +10,8 @@ namespace dem
   {
     std::vector<Row> force;  ///< x, y, z [N]; w: sum of kn over the grain's contacts [N/m]
     std::vector<Row> torque; ///< x, y, z [N m]; w: sum of kn (lever arm)^2 [N m]; filled when rotation is free
+    std::vector<double> largest_stress; ///< per grain, of N/(pi r' d) over its contacts [Pa]; filled when
+                                        ///< Motion::has_contact_stress
   };
 
   /** Sums over all contacts, found on the way. */
@@ -27,6 +29,7 @@ namespace dem
     double time_step = 1.;                    ///< dt [s], or 1 cycle
     Matrix strain_increment = Matrix::Zero(); ///< L dt of the cell: its affine part belongs to the relative velocity
     bool is_rotation_free = false;
+    bool has_contact_stress = false;
   };
 
   /**

@@ -108,7 +108,7 @@ namespace dem
     }
 
     RestStatus run_cycles(Dynamics &dynamics, const EquilibriumRule &rule, const CellControl &control,
-                          RestReport &report)
+                          const CycleHook &hook, RestReport &report)
     {
       const CellDriver driver(control, rule);
       const bool has_servo = control.has_servo();
@@ -117,6 +117,8 @@ namespace dem
           if (!dynamics.is_wide_enough())
             return RestStatus::cell_too_narrow;
           dynamics.compute_forces();
+          if (hook)
+            hook(dynamics);
           report.n_cycles = cycle;
           const Matrix stress = has_servo ? dynamics.compute_stress() : Matrix::Zero();
           if (has_servo)
@@ -157,12 +159,11 @@ namespace dem
     return "unknown";
   }
 
-  RestReport bring_to_rest(RevState &state, const ContactLaw &law, const DynamicsRule &dynamics_rule,
-                           const EquilibriumRule &rule, const CellControl &control)
+  RestReport bring_to_rest(RevState &state, const RestRule &rule, const CellControl &control, const CycleHook &hook)
   {
-    Dynamics dynamics(state, law, dynamics_rule);
+    Dynamics dynamics(state, rule.law, rule.dynamics);
     RestReport report;
-    report.status = run_cycles(dynamics, rule, control, report);
+    report.status = run_cycles(dynamics, rule.equilibrium, control, hook, report);
     if (report.status != RestStatus::cell_too_narrow)
       dynamics.store();
     report.unbalanced_ratio = state.unbalanced_ratio;

@@ -3,6 +3,7 @@
 #include "dem/dynamics.h"
 
 #include <array>
+#include <functional>
 #include <limits>
 
 namespace dem
@@ -48,12 +49,23 @@ namespace dem
     std::array<double, 6> largest_deviation{}, smallest_deviation{};
   };
 
+  /** What decides how a REV moves to rest. */
+  struct RestRule
+  {
+    ContactLaw law;
+    DynamicsRule dynamics;
+    EquilibriumRule equilibrium;
+  };
+
+  /** Called after the forces of each cycle; may replace grains (and then rebuilds and computes forces again). */
+  using CycleHook = std::function<void(Dynamics &)>;
+
   /**
-   * Strains the cell as told, holds the stresses as told, until the REV is at rest; fracture frozen. Nothing runs when
-   * there is nothing to do: identity stretch, no servo and a state that is at rest already keep every bit.
+   * Strains the cell as told, holds the stresses as told, until the REV is at rest. Fracture is frozen, unless the hook
+   * breaks grains.
    *
    * @post the state's contacts, stress, unbalanced ratio and cycle count are those of the end, at rest or not
    */
-  RestReport bring_to_rest(RevState &state, const ContactLaw &law, const DynamicsRule &dynamics,
-                           const EquilibriumRule &rule, const CellControl &control);
+  RestReport bring_to_rest(RevState &state, const RestRule &rule, const CellControl &control,
+                           const CycleHook &hook = {});
 } // namespace dem

@@ -21,7 +21,7 @@ namespace dem
 
   RestReport Rev::bring_to_rest(RevState &state, const CellControl &control) const
   {
-    const RestReport report = dem::bring_to_rest(state, law_, model_.dynamics, model_.equilibrium, control);
+    const RestReport report = dem::bring_to_rest(state, {law_, model_.dynamics, model_.equilibrium}, control);
     if (report.status == RestStatus::at_rest)
       update_crack_velocities(state.grains, list_contacts(state, law_), model_.fracture);
     return report;
