@@ -1,0 +1,131 @@
+"""Law: no room includes what it must not know. dem: Eigen, Random123, HDF5 in snapshot.cc alone; fem: no grains; apps: all.
+
+Debian puts every library under /usr/include, so the compiler would accept a wrong include.
+"""
+
+import argparse
+import re
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
+
+STANDARD = set("""algorithm any array atomic barrier bit bitset cassert cctype cerrno cfenv cfloat charconv chrono cinttypes
+climits clocale cmath codecvt compare complex concepts condition_variable coroutine csetjmp csignal cstdarg cstddef cstdint
+cstdio cstdlib cstring ctime cuchar cwchar cwctype deque exception execution filesystem format forward_list fstream
+functional future initializer_list iomanip ios iosfwd iostream istream iterator latch limits list locale map memory
+memory_resource mutex new numbers numeric optional ostream queue random ranges ratio regex scoped_allocator semaphore set
+shared_mutex source_location span sstream stack stdexcept stop_token streambuf string string_view syncstream system_error
+thread tuple type_traits typeindex typeinfo unordered_map unordered_set utility valarray variant vector version""".split())
+
+DEAL_II = ("deal.II/", "mpi.h", "Epetra", "Amesos", "Teuchos", "ml_")
+POSIX = ("unistd.h", "sys/", "fcntl.h", "signal.h")
+ROOMS = {  # room -> the rooms whose files it may include, the libraries it may include
+    "dem": (("dem",), ("Eigen/", "Random123/")),
+    "fem": (("fem",), DEAL_II + ("fmt/",)),
+    "coupling": (("coupling", "dem", "fem"), DEAL_II + ("Eigen/", "fmt/")),
+    "apps": (("apps", "coupling", "dem", "fem"), DEAL_II + ("Eigen/", "fmt/", "CLI/", "nlohmann/") + POSIX),
+}
+# Files that may include more than their room, and why.
+EXCEPTIONS = {
+    "dem/snapshot.cc": ("hdf5.h", "hdf5_hl.h", "unistd.h", "fcntl.h", "sys/stat.h"),  # the HDF5 file; fsync before rename
+}
+TEST_LIBRARIES = ("gtest/", "benchmark/", "hdf5.h")
+
+
+def find_rule(path):
+    """(rooms, libraries) allowed in a file, or None where there is no rule. Tests know what their room knows."""
+    parts = path.parts
+    if parts[0] in ROOMS:
+        rooms, libraries = ROOMS[parts[0]]
+        return rooms, libraries + EXCEPTIONS.get(path.as_posix(), ())
+    if parts[0] != "tests":
+        return None
+    if len(parts) > 2 and parts[2] in ROOMS:
+        rooms, libraries = ROOMS[parts[2]]
+        return rooms + ("tests",), libraries + TEST_LIBRARIES + POSIX
+    rooms, libraries = ROOMS["apps"]
+    return rooms + ("tests",), libraries + TEST_LIBRARIES
+
+
+def check_include(root, path, bracket, name, rule):
+    """What is wrong with one include, or None."""
+    rooms, libraries = rule
+    if name.split("/")[0] in set(ROOMS) | {"tests"} and "/" in name:
+        if bracket == "<":
+            return f"own file in angle brackets: <{name}>"
+        if name.split("/")[0] not in rooms:
+            return f"'{path.parts[0]}' must not know '{name.split('/')[0]}': \"{name}\""
+        return None if (root / name).is_file() else f'no such file: "{name}"'
+    if bracket == '"':
+        return f'own files are included by their path from the root: "{name}"'
+    if name in STANDARD or any(name.startswith(library) for library in libraries):
+        return None
+    return f"library not allowed here: <{name}>"
+
+
+def check_tree(root):
+    """All wrong includes as 'file:line: what'."""
+    listed = subprocess.run(["git", "-C", str(root), "ls-files", "-co", "--exclude-standard"], capture_output=True,
+                            text=True)
+    names = listed.stdout.splitlines() if listed.returncode == 0 else [
+        str(file.relative_to(root)) for file in root.rglob("*")
+        if file.relative_to(root).parts[0] not in ("build", "runs")]  # a source archive has no .git
+    faults, n_files = [], 0
+    for path in sorted(Path(name) for name in names if name.endswith((".cc", ".h"))):
+        rule = find_rule(path)
+        if rule is None or not (root / path).is_file():
+            continue
+        n_files += 1
+        for number, line in enumerate((root / path).read_text(encoding="utf-8").splitlines(), start=1):
+            match = INCLUDE.match(line)
+            fault = match and check_include(root, path, match.group(1), match.group(2), rule)
+            if fault:
+                faults.append(f"{path}:{number}: {fault}")
+    return faults, n_files
+
+
+PLANTED = {  # file -> (include line, is it a fault?)
+    "dem/a.cc": ("#include <deal.II/base/tensor.h>", True), "dem/b.cc": ("#include <hdf5.h>", True),
+    "dem/c.h": ("#  include <mpi.h>", True), "dem/d.cc": ('#include "fem/x.h"', True),
+    "dem/e.cc": ('#include "x.h"', True), "dem/f.cc": ("#include <fmt/format.h>", True),
+    "dem/g.cc": ('#include "dem/absent.h"', True), "dem/h.cc": ("#include <dem/x.h>", True),
+    "dem/snapshot.cc": ("#include <hdf5.h>", False), "dem/i.cc": ("#include <Eigen/Sparse>", False),
+    "dem/j.cc": ("#include <vector>", False), "dem/k.cc": ('#include "dem/x.h"', False), "dem/x.h": ("", False),
+    "fem/a.cc": ('#include "dem/x.h"', True), "fem/b.cc": ('#include "coupling/x.h"', True),
+    "fem/c.cc": ("#include <Eigen/Dense>", True), "fem/d.cc": ("#include <deal.II/base/tensor.h>", False),
+    "fem/x.h": ("", False), "coupling/x.h": ('#include "dem/x.h"', False),
+    "coupling/a.cc": ('#include "apps/x.h"', True), "coupling/b.cc": ("#include <hdf5.h>", True),
+    "apps/x.h": ('#include "coupling/x.h"', False), "apps/a.cc": ("#include <CLI/CLI.hpp>", False),
+    "tests/unit/dem/a.cc": ('#include "fem/x.h"', True), "tests/unit/dem/b.cc": ("#include <gtest/gtest.h>", False),
+    "tests/unit/fem/a.cc": ('#include "coupling/x.h"', True), "tests/unit/coupling/a.cc": ('#include "dem/x.h"', False),
+}
+
+
+def check_self():
+    """Every planted fault is found, and nothing else."""
+    with tempfile.TemporaryDirectory() as folder:
+        root = Path(folder)
+        for name, (line, _) in PLANTED.items():
+            (root / name).parent.mkdir(parents=True, exist_ok=True)
+            (root / name).write_text(f"// first line\n{line}\n", encoding="utf-8")
+        found = {fault.split(":")[0] for fault in check_tree(root)[0]}
+    expected = {name for name, (_, is_fault) in PLANTED.items() if is_fault}
+    return [f"self-test: {name} planted and not found" for name in sorted(expected - found)] + [
+        f"self-test: {name} is right and was refused" for name in sorted(found - expected)]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--source", type=Path, required=True)
+    parser.add_argument("--build", type=Path)
+    faults, n_files = check_tree(parser.parse_args().source)
+    faults = check_self() + faults
+    print("\n".join(faults) or f"{n_files} files include only what their room may know")
+    return 1 if faults or n_files == 0 else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

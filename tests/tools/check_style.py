@@ -1,0 +1,99 @@
+"""Law: files stay short and named by the noun they own; headers are guarded and open no namespace."""
+
+import argparse
+import re
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+CODE = (".cc", ".h", ".py", ".sh", ".cmake", ".txt")
+LONGEST_FILE = 400  # lines; aim at 80-200
+LONGEST_MAIN = 100  # lines of a program's own file in apps/: a main only reads, calls and reports
+FORBIDDEN = {"src", "include", "core", "utils", "util", "helpers", "helper", "common", "misc", "manager", "legacy"}
+PARTS = {"utils", "util", "helpers", "helper", "misc", "manager", "legacy"}  # forbidden inside a name too
+
+
+def check_name(path):
+    """Forbidden words among the folders and in the file's name."""
+    for part in list(path.parts[:-1]) + [path.name.split(".")[0]]:
+        words = re.split(r"[_-]", part.lower())
+        if part.lower() in FORBIDDEN or PARTS & set(words) or part.startswith("new_") or re.search(r"_v\d+$", part):
+            yield f"{path}: the name '{part}' says nothing about what the file owns"
+
+
+def check_text(path, text):
+    """Length of any file; guard and namespaces of headers."""
+    n_lines = text.count("\n")
+    limit = LONGEST_MAIN if path.parts[0] == "apps" and re.fullmatch(r"slowsand[-_]\w+\.cc", path.name) else LONGEST_FILE
+    if n_lines > limit:
+        yield f"{path}: {n_lines} lines, at most {limit}"
+    if path.suffix == ".h":
+        if "#pragma once" not in text.splitlines():
+            yield f"{path}: #pragma once is missing"
+        for number, line in enumerate(text.splitlines(), start=1):
+            if re.match(r"\s*using\s+namespace\b", line):
+                yield f"{path}:{number}: 'using namespace' in a header reaches everybody who includes it"
+
+
+def list_files(root):
+    """Tracked files and those about to be; in a source archive without .git, all."""
+    listed = subprocess.run(["git", "-C", str(root), "ls-files", "-co", "--exclude-standard"], capture_output=True,
+                            text=True)
+    names = listed.stdout.splitlines() if listed.returncode == 0 else [
+        str(file.relative_to(root)) for file in root.rglob("*")
+        if file.relative_to(root).parts[0] not in ("build", "runs")]
+    return sorted(Path(name) for name in names if (root / name).is_file())
+
+
+def is_code(root, path):
+    """Code by its ending, or a script without one."""
+    return path.suffix in CODE or (path.suffix == "" and (root / path).read_bytes()[:2] == b"#!")
+
+
+def check_tree(root):
+    faults, n_files = [], 0
+    for path in list_files(root):
+        faults += check_name(path)
+        if is_code(root, path):
+            n_files += 1
+            faults += check_text(path, (root / path).read_text(encoding="utf-8"))
+    return faults, n_files
+
+
+PLANTED = {  # file -> (text, is it a fault?)
+    "dem/long.cc": ("x\n" * 401, True), "dem/just.cc": ("x\n" * 400, False), "apps/slowsand-rev.cc": ("x\n" * 101, True),
+    "apps/long_script": ("#!/bin/bash\n" + "x\n" * 400, True), "docs/long.md": ("x\n" * 900, False),
+    "src/a.cc": ("", True), "dem/utils.h": ("#pragma once\n", True), "dem/rev_manager.cc": ("", True),
+    "fem/new_solver.cc": ("", True), "fem/solver_v2.cc": ("", True), "fem/solver.cc": ("", False),
+    "dem/no_guard.h": ("int i;\n", True), "dem/guarded.h": ("#pragma once\n", False),
+    "dem/opens.h": ("#pragma once\n  using namespace std;\n", True),
+    "dem/opens.cc": ("using namespace std;\n", False), "legacy/notes.md": ("", True),
+}
+
+
+def check_self():
+    """Every planted fault is found, and nothing else."""
+    with tempfile.TemporaryDirectory() as folder:
+        root = Path(folder)
+        for name, (text, _) in PLANTED.items():
+            (root / name).parent.mkdir(parents=True, exist_ok=True)
+            (root / name).write_text(text, encoding="utf-8")
+        found = {fault.split(":")[0] for fault in check_tree(root)[0]}
+    expected = {name for name, (_, is_fault) in PLANTED.items() if is_fault}
+    return [f"self-test: {name} planted and not found" for name in sorted(expected - found)] + [
+        f"self-test: {name} is right and was refused" for name in sorted(found - expected)]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--source", type=Path, required=True)
+    parser.add_argument("--build", type=Path)
+    faults, n_files = check_tree(parser.parse_args().source)
+    faults = check_self() + faults
+    print("\n".join(faults) or f"{n_files} files keep the house's style")
+    return 1 if faults or n_files == 0 else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
