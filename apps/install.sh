@@ -53,7 +53,7 @@ if [ "${SLOWSAND_SKIP_INSTALL:-0}" = 1 ]; then
 fi
 missing=()
 if command -v dpkg-query >/dev/null; then
-  mapfile -t missing < <(list_missing)
+  read -r -a missing <<<"$(list_missing | tr '\n' ' ')" # no /dev/fd needed, as '< <(...)' would
   [ ${#missing[@]} -gt 0 ] || exit 0
 else
   missing=("${packages[@]}")

@@ -28,7 +28,7 @@ class Install(unittest.TestCase):
     def setUp(self):
         self.folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
         (self.folder / "bin").mkdir()
-        for name in ("bash", "sed", "grep", "env", "mktemp", "tail", "rm"):  # and no sudo unless a test wants it
+        for name in ("bash", "sed", "grep", "env", "mktemp", "tail", "rm", "tr"):  # and no sudo unless a test wants it
             (self.folder / "bin" / name).symlink_to(Path("/usr/bin") / name)
         for name in ("dpkg-query", "apt-get", "id"):
             self.stand_in(name)
