@@ -1,0 +1,113 @@
+#pragma once
+
+#include "dem/rev.h"
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace dem
+{
+  /** What a stage does to the REV. Stresses that are not named are not controlled: the strain is held. */
+  enum class StageKind
+  {
+    isotropic,  ///< three equal normal stresses to a pressure
+    oedometric, ///< axial stress to a value, no lateral strain
+    triaxial,   ///< axial strain to a value, lateral stresses held
+    creep,      ///< stresses held for a duration
+    relaxation, ///< strain held for a duration
+    strain_path ///< six strains to values
+  };
+
+  /** Which stresses a creep stage holds. */
+  enum class HeldStress
+  {
+    axial,     ///< zz alone: oedometer
+    all_normal ///< xx, yy and zz: triaxial
+  };
+
+  struct LaboratoryStage
+  {
+    std::string name;
+    StageKind kind = StageKind::isotropic;
+    double stress = 0.;             ///< pressure or axial stress at the end [Pa], compression-positive
+    double axial_strain = 0.;       ///< triaxial: at the end, logarithmic [-], compression-positive
+    Matrix strain = Matrix::Zero(); ///< strain path: at the end, logarithmic [-], compression-positive
+    HeldStress held = HeldStress::axial;
+    double duration = 0.;               ///< [s]; 0: a load without time
+    unsigned int n_increments = 50;     ///< of a load
+    bool is_geometric = true;           ///< stresses grow by equal factors instead of equal steps
+    double first_output = 1.;           ///< creep, relaxation: first time written for certain [s]
+    unsigned int points_per_decade = 4; ///< and how many after it
+  };
+
+  enum class ObservationKind
+  {
+    load,
+    dynamic,
+    ageing,
+    relaxed
+  };
+
+  /** One equilibrium, or the end of a jump. In the program's sign: tension-positive. */
+  struct Observation
+  {
+    double time = 0.;      ///< since the beginning of the first stage [s]
+    std::size_t stage = 0; ///< from 0
+    ObservationKind kind = ObservationKind::load;
+    Counters counters;
+    Matrix strain, stress; ///< logarithmic [-], Cauchy [Pa]
+    double void_ratio = 0., void_ratio_with_fines = 0., coordination = 0., unbalanced_ratio = 0.;
+    std::size_t n_grains = 0;
+  };
+
+  /** Where a programme stands: with the REV's committed state all that a resumed run needs. */
+  struct LaboratoryPosition
+  {
+    std::size_t stage = 0;
+    double share = 0.;         ///< of the stage's load that is on
+    double share_step = 0.;    ///< next one to try
+    double time_in_stage = 0.; ///< [s]
+    unsigned int n_cuts = 0;   ///< of the next batch
+    Matrix stress_at_start = Matrix::Zero(), strain_at_start = Matrix::Zero();
+  };
+
+  struct LaboratoryRule
+  {
+    double smallest_share = 1. / 64.; ///< of an increment, below which it is not halved again
+    std::size_t round_cap = 200;      ///< equilibria of one avalanche, beyond which it is a rupture
+  };
+
+  enum class LaboratoryOutcome
+  {
+    finished,
+    no_equilibrium, ///< the smallest step found none
+    ruptured,       ///< an avalanche did not end
+    stopped         ///< the observer asked for it
+  };
+
+  const char *describe(LaboratoryOutcome outcome);
+  const char *describe(ObservationKind kind);
+
+  struct LaboratoryObserver
+  {
+    std::function<void(const Observation &)> observe; ///< committed observations, in order
+    /** After each committed step; true stops the programme. `fraction` is the share of the whole that is done. */
+    std::function<bool(const LaboratoryPosition &, double fraction)> committed;
+    std::function<void(std::size_t stage, bool is_end)> stage_edge;
+  };
+
+  /**
+   * Runs a programme of stages on one REV: load in increments, each brought to equilibrium; off-DEM ageing between
+   * fractures; avalanches as a sequence of equilibria; commit or roll back and halve (docs/theory.md, section 6).
+   *
+   * @param position  in: where to begin; out: where it ended, with the REV's committed state
+   */
+  LaboratoryOutcome run_programme(Rev &rev, const std::vector<LaboratoryStage> &stages, const LaboratoryRule &rule,
+                                  const LaboratoryObserver &observer, LaboratoryPosition &position);
+
+  /** Throws std::invalid_argument naming the stage and what contradicts itself (a creep without duration, ...). */
+  void check_programme(const std::vector<LaboratoryStage> &stages);
+
+  Observation observe(const RevState &state, const RevModel &model);
+} // namespace dem
