@@ -32,15 +32,22 @@ def gather_grains(snapshots):
 def find_comminution_limit(run, options):
     """d_c [m]: given by hand, or from parameters.prm."""
     if options.comminution_limit is not None:
-        return options.comminution_limit
+        return _require_positive(options.comminution_limit, "--comminution-limit")
     found = run.find_parameter("comminution")
     if found is None:
         raise BadInput(f"{run.path / 'parameters.prm'}: no parameter names the comminution limit; "
                        "give it with --comminution-limit [m]")
+    place = f"{run.path / 'parameters.prm'}: {found[0]}/{found[1]}"
     try:
-        return float(found[2])
+        return _require_positive(float(found[2]), place)
     except ValueError:
-        raise BadInput(f"{run.path / 'parameters.prm'}: {found[0]}/{found[1]} = '{found[2]}' is not a number") from None
+        raise BadInput(f"{place} = '{found[2]}' is not a number") from None
+
+
+def _require_positive(limit, place):
+    if not limit > 0:
+        raise BadInput(f"{place} = {limit:g} m: fines need a positive limit to lie below")
+    return limit
 
 
 def draw(run, options):

@@ -124,6 +124,7 @@ class BadInput(PlotTest):
         run = plot_runs.write_rev_run(self.folder / "run")
         self.edit(run / "parameters.prm", "Comminution limit", "Something else")
         self.assert_refused(run_plot(run, "--figures", "grading"), "parameters.prm", "comminution limit")
+        self.assert_refused(run_plot(run, "--figures", "grading", "--comminution-limit", "0"), "limit", "positive")
         self.assert_drawn(run_plot(run, "--figures", "grading", "--comminution-limit", "1e-4"), ["grading"])
 
     def test_figure_without_data_that_was_asked_for(self):
