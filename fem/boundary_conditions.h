@@ -66,21 +66,25 @@ namespace fem
 
     const std::vector<BoundaryCondition> &get_conditions() const { return conditions_; }
 
-    /** True where the unknown of this rank is prescribed. */
-    bool is_prescribed(dealii::types::global_dof_index dof) const { return constraints_.is_constrained(dof); }
+    /** Prescribed unknowns that this rank owns. */
+    const std::vector<dealii::types::global_dof_index> &get_prescribed_dofs() const { return prescribed_dofs_; }
+
+    /** Keeps the prescribed entries of an owned vector alone. */
+    void set_free_to_zero(Vector &vector) const;
 
     /** Writes the prescribed displacements [m] into the owned entries of the vector, one value a condition. */
     void set_prescribed(const std::vector<double> &values, Vector &displacement) const;
 
-    /** Nodal forces [N] of tractions and pressures on the configuration given by the (ghosted) total displacement.
-     *  @param finite  false: areas and normals are the initial ones */
-    void assemble_external_forces(const std::vector<double> &values, const Vector &ghosted_displacement, bool finite,
+    /** Nodal forces [N] of tractions and pressures on the configuration of a total displacement.
+     *  @param ghosted_displacement [m]; null: areas and normals are the initial ones (small kinematics) */
+    void assemble_external_forces(const std::vector<double> &values, const Vector *ghosted_displacement,
                                   Vector &forces) const;
 
     /** Forces and displacements of all named boundaries; collective.
-     *  @param values    of the conditions, for their tractions
-     *  @param reactions internal minus external nodal forces [N]; an unknown that several boundaries prescribe gives
-     * each of them an equal share */
+     *  @param values     of the conditions, for their tractions
+     *  @param reactions  internal minus external nodal forces [N]; of an unknown that several boundaries prescribe each
+     *                    gets an equal share
+     *  @param finite     false: small kinematics */
     std::vector<BoundaryResponse> compute_responses(const std::vector<double> &values, const Vector &reactions,
                                                     const Vector &ghosted_displacement, bool finite) const;
 
@@ -96,10 +100,14 @@ namespace fem
 
     void check_conditions();
     void collect_prescribed();
-    void measure_boundary(dealii::types::boundary_id id, const Vector &ghosted_displacement, BoundaryResponse &) const;
     unsigned int find_component(const BoundaryCondition &condition) const;
-    void add_condition_forces(unsigned int condition, double value, const Vector &ghosted_displacement, bool finite,
-                              Vector *forces, dealii::Tensor<1, 3> &resultant) const;
+
+    /** Calls add(unknown, mesh component, nodal force [N]) for a traction or pressure. */
+    using AddForce = std::function<void(dealii::types::global_dof_index, unsigned int, double)>;
+    void add_condition_forces(unsigned int condition, double value, const Vector *ghosted_displacement,
+                              const AddForce &add) const;
+    dealii::Tensor<1, 3> compute_average_displacement(const std::string &boundary,
+                                                      const Vector &ghosted_displacement) const;
 
     const dealii::DoFHandler<dim> &dof_handler_;
     const dealii::Mapping<dim> &mapping_;
@@ -108,6 +116,7 @@ namespace fem
     std::vector<BoundaryCondition> conditions_;
     std::vector<unsigned int> components_;      ///< mesh component of each condition
     std::vector<PrescribedUnknown> prescribed_; ///< owned ones
+    std::vector<dealii::types::global_dof_index> prescribed_dofs_;
     dealii::AffineConstraints<double> constraints_;
   };
 } // namespace fem

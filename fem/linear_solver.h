@@ -43,8 +43,6 @@ namespace fem
     void solve(Vector &solution, const Vector &right_hand_side);
 
   private:
-    bool is_direct() const;
-
     LinearSolverParameters parameters_;
     const Matrix *matrix_ = nullptr;
     dealii::SolverControl direct_control_;

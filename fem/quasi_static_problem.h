@@ -81,6 +81,7 @@ namespace fem
     struct State
     {
       std::vector<double> displacement; ///< committed, owned entries [m]
+      std::vector<double> deformation;  ///< total F, nine a point, row by row [-]
       std::vector<double> stress;       ///< six a point in deal.II's order [Pa]
       std::vector<double> secants;      ///< step and change of each carried pair, owned entries
       std::vector<double> values;       ///< of the conditions at the last commit
@@ -109,12 +110,13 @@ namespace fem
     Vector create_vector() const override { return Vector(owned_, get_communicator()); }
 
     void number_unknowns();
+    void allocate();
     void introduce_points(const StressField &initial_stress);
-    void set_trial(const Vector &increment);
     Status ask_material(const Vector &increment, bool with_tangent);
-    void refresh_stiffness();
+    Status reduce_status(bool with_tangent) const;
     void compute_residual(const Vector &increment, Vector &residual);
     Vector condense(const Vector &residual) const;
+    PointState compute_point_state(std::size_t index) const;
 
     ProblemParameters parameters_;
     ConstitutiveModel &material_;
@@ -131,15 +133,18 @@ namespace fem
     Matrix stiffness_;   ///< of all unknowns: K_fc carries missing boundary displacements
     Matrix constrained_; ///< with prescribed unknowns eliminated: what is factorised
 
-    Vector committed_, baseline_, trial_; ///< total displacements [m], owned entries
-    Vector ghosted_;                      ///< trial, with the entries that this rank's cells need
-    Vector reactions_;                    ///< internal minus external forces [N]
+    Vector committed_, baseline_, trial_;           ///< total displacements [m], owned entries
+    Vector ghosted_;                                ///< trial, with the entries that this rank's cells need
+    Vector reactions_;                              ///< internal minus external forces [N]
+    Vector external_;                               ///< forces of tractions and pressures [N]
+    std::vector<std::vector<bool>> constant_modes_; ///< rigid translations, for the multigrid
     std::vector<double> values_, committed_values_;
     double force_scale_ = 0.;
 
     std::vector<PointRequest> requests_;
     std::vector<PointResponse> responses_;
-    std::vector<dealii::Tensor<2, 3>> deformations_, baseline_deformations_; ///< total F of this rank's points
+    std::vector<dealii::Point<3>> positions_;
+    std::vector<dealii::Tensor<2, 3>> deformations_, baseline_deformations_, committed_deformations_; ///< total F
     std::vector<dealii::SymmetricTensor<2, 3>> committed_stresses_;
   };
 } // namespace fem

@@ -1,0 +1,201 @@
+#include "fem/assembly.h"
+
+#include <deal.II/dofs/dof_tools.h>
+#include <deal.II/fe/fe.h>
+#include <deal.II/fe/mapping.h>
+#include <deal.II/grid/tria.h>
+
+namespace fem
+{
+  using dealii::SymmetricTensor;
+  using dealii::Tensor;
+
+  namespace
+  {
+    /**
+     * Change of the internal force density at a velocity gradient L [Pa]:
+     *
+     *   P = C : sym L + w s - s w + s tr L - s L^T,   w = skew L,
+     *
+     * so that the tangent of (integral of s : grad v dv) is the integral of grad v : P dv. The second and third terms
+     * turn the stress, the fourth changes the volume, the last the gradients of v.
+     */
+    Tensor<2, 3> compute_finite_change(const SymmetricTensor<2, 3> &stress, const SymmetricTensor<4, 3> &tangent,
+                                       const Tensor<2, 3> &velocity_gradient)
+    {
+      const Tensor<2, 3> full_stress(stress);
+      const Tensor<2, 3> spin = 0.5 * (velocity_gradient - dealii::transpose(velocity_gradient));
+      const Tensor<2, 3> answer(tangent * dealii::symmetrize(velocity_gradient));
+      return answer + spin * full_stress - full_stress * spin + dealii::trace(velocity_gradient) * full_stress -
+             full_stress * dealii::transpose(velocity_gradient);
+    }
+  } // namespace
+
+  template <int dim>
+  Assembly<dim>::Assembly(const dealii::DoFHandler<dim> &dof_handler, const dealii::Mapping<dim> &mapping,
+                          Geometry geometry, Kinematics kinematics)
+      : dof_handler_(dof_handler), mapping_(mapping), geometry_(geometry), kinematics_(kinematics),
+        quadrature_(dof_handler.get_fe().degree + 1)
+  {}
+
+  template <int dim>
+  template <class Work>
+  void Assembly<dim>::for_each_cell(const Work &work) const
+  {
+    dealii::FEValues<dim> values(mapping_, dof_handler_.get_fe(), quadrature_,
+                                 dealii::update_values | dealii::update_gradients | dealii::update_quadrature_points |
+                                     dealii::update_JxW_values);
+    std::size_t first_point = 0;
+    for (const auto &cell : dof_handler_.active_cell_iterators())
+      if (cell->is_locally_owned())
+        {
+          values.reinit(cell);
+          work(cell, values, first_point);
+          first_point += quadrature_.size();
+        }
+  }
+
+  template <int dim>
+  void Assembly<dim>::compute_shape_gradients(const dealii::FEValues<dim> &values, unsigned int point,
+                                              const Tensor<2, 3> &deformation,
+                                              std::vector<Tensor<2, 3>> &gradients) const
+  {
+    const auto &element = dof_handler_.get_fe();
+    const double radius = values.quadrature_point(point)[0];
+    const bool is_finite = kinematics_ == Kinematics::finite;
+    const Tensor<2, 3> pull = is_finite ? dealii::invert(deformation) : Tensor<2, 3>();
+    gradients.resize(element.n_dofs_per_cell());
+    for (unsigned int i = 0; i < gradients.size(); ++i)
+      {
+        gradients[i] = embed_gradient<dim>(geometry_, element.system_to_component_index(i).first,
+                                           values.shape_value(i, point), values.shape_grad(i, point), radius);
+        if (is_finite)
+          gradients[i] = gradients[i] * pull;
+      }
+  }
+
+  template <int dim>
+  double Assembly<dim>::compute_volume_element(const dealii::FEValues<dim> &values, unsigned int point,
+                                               const Tensor<2, 3> &deformation) const
+  {
+    const double initial = values.JxW(point) * compute_depth(geometry_, values.quadrature_point(point)[0]);
+    return kinematics_ == Kinematics::finite ? initial * dealii::determinant(deformation) : initial;
+  }
+
+  template <int dim>
+  std::vector<PointSite> Assembly<dim>::compute_sites() const
+  {
+    std::vector<PointSite> sites;
+    for_each_cell([&](const Cell &cell, const dealii::FEValues<dim> &values, std::size_t) {
+      for (const unsigned int q : values.quadrature_point_indices())
+        {
+          PointSite site;
+          site.id = cell->global_active_cell_index() * quadrature_.size() + q;
+          site.position = dealii::Point<3>(embed<dim>(values.quadrature_point(q)));
+          sites.push_back(site);
+        }
+    });
+    return sites;
+  }
+
+  template <int dim>
+  std::vector<Tensor<2, 3>> Assembly<dim>::compute_gradients(const Vector &ghosted) const
+  {
+    std::vector<Tensor<2, 3>> gradients, shapes;
+    std::vector<dealii::types::global_dof_index> dofs(dof_handler_.get_fe().n_dofs_per_cell());
+    const Tensor<2, 3> identity(dealii::unit_symmetric_tensor<3>());
+    for_each_cell([&](const Cell &cell, const dealii::FEValues<dim> &values, std::size_t) {
+      cell->get_dof_indices(dofs);
+      for (const unsigned int q : values.quadrature_point_indices())
+        {
+          compute_shape_gradients(values, q, identity, shapes);
+          Tensor<2, 3> gradient;
+          for (unsigned int i = 0; i < dofs.size(); ++i)
+            gradient += static_cast<double>(ghosted(dofs[i])) * shapes[i];
+          gradients.push_back(gradient);
+        }
+    });
+    return gradients;
+  }
+
+  template <int dim>
+  void Assembly<dim>::assemble_forces(const std::vector<Tensor<2, 3>> &deformations,
+                                      const std::vector<PointResponse> &responses, Vector &forces) const
+  {
+    forces = 0.;
+    std::vector<Tensor<2, 3>> shapes;
+    std::vector<dealii::types::global_dof_index> dofs(dof_handler_.get_fe().n_dofs_per_cell());
+    for_each_cell([&](const Cell &cell, const dealii::FEValues<dim> &values, std::size_t first_point) {
+      cell->get_dof_indices(dofs);
+      std::vector<double> cell_forces(dofs.size(), 0.);
+      for (const unsigned int q : values.quadrature_point_indices())
+        {
+          const auto &deformation = deformations[first_point + q];
+          const double volume = compute_volume_element(values, q, deformation);
+          const Tensor<2, 3> stress(responses[first_point + q].stress);
+          compute_shape_gradients(values, q, deformation, shapes);
+          for (unsigned int i = 0; i < dofs.size(); ++i)
+            cell_forces[i] += volume * dealii::scalar_product(shapes[i], stress);
+        }
+      forces.add(dofs, cell_forces);
+    });
+    forces.compress(dealii::VectorOperation::add);
+  }
+
+  template <int dim>
+  void Assembly<dim>::assemble_stiffness(const std::vector<Tensor<2, 3>> &deformations,
+                                         const std::vector<PointResponse> &responses,
+                                         const dealii::AffineConstraints<double> &constraints, Matrix &stiffness,
+                                         Matrix &constrained) const
+  {
+    stiffness = 0.;
+    constrained = 0.;
+    const bool is_finite = kinematics_ == Kinematics::finite;
+    const unsigned int n_dofs = dof_handler_.get_fe().n_dofs_per_cell();
+    std::vector<Tensor<2, 3>> shapes;
+    std::vector<dealii::types::global_dof_index> dofs(n_dofs);
+    dealii::FullMatrix<double> cell_matrix(n_dofs, n_dofs);
+    for_each_cell([&](const Cell &cell, const dealii::FEValues<dim> &values, std::size_t first_point) {
+      cell->get_dof_indices(dofs);
+      cell_matrix = 0.;
+      for (const unsigned int q : values.quadrature_point_indices())
+        {
+          const PointResponse &response = responses[first_point + q];
+          const double volume = compute_volume_element(values, q, deformations[first_point + q]);
+          compute_shape_gradients(values, q, deformations[first_point + q], shapes);
+          for (unsigned int j = 0; j < n_dofs; ++j)
+            {
+              const Tensor<2, 3> change =
+                  volume * (is_finite ? compute_finite_change(response.stress, response.tangent, shapes[j])
+                                      : Tensor<2, 3>(response.tangent * dealii::symmetrize(shapes[j])));
+              for (unsigned int i = 0; i < n_dofs; ++i)
+                cell_matrix(i, j) += dealii::scalar_product(shapes[i], change);
+            }
+        }
+      stiffness.add(dofs, cell_matrix);
+      constraints.distribute_local_to_global(cell_matrix, dofs, constrained);
+    });
+    stiffness.compress(dealii::VectorOperation::add);
+    constrained.compress(dealii::VectorOperation::add);
+  }
+
+  template <int dim>
+  std::pair<double, Tensor<1, 3>> Assembly<dim>::compute_volume() const
+  {
+    double volume = 0.;
+    Tensor<1, 3> moment;
+    for_each_cell([&](const Cell &, const dealii::FEValues<dim> &values, std::size_t) {
+      for (const unsigned int q : values.quadrature_point_indices())
+        {
+          const double part = values.JxW(q) * compute_depth(geometry_, values.quadrature_point(q)[0]);
+          volume += part;
+          moment += part * embed<dim>(values.quadrature_point(q));
+        }
+    });
+    const MPI_Comm communicator = dof_handler_.get_communicator();
+    return {dealii::Utilities::MPI::sum(volume, communicator), dealii::Utilities::MPI::sum(moment, communicator)};
+  }
+
+  template class Assembly<2>;
+  template class Assembly<3>;
+} // namespace fem

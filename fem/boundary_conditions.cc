@@ -1,0 +1,260 @@
+#include "fem/boundary_conditions.h"
+
+#include <deal.II/base/quadrature_lib.h>
+#include <deal.II/dofs/dof_tools.h>
+#include <deal.II/fe/fe_values.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numeric>
+#include <stdexcept>
+
+namespace fem
+{
+  using dealii::Tensor;
+
+  namespace
+  {
+    std::string join(const std::vector<std::string> &words)
+    {
+      std::string text;
+      for (const std::string &word : words)
+        text += (text.empty() ? "" : ", ") + word;
+      return text;
+    }
+
+    /** Visits the Gauss points of a named boundary on this rank with total deformation F and initial area element
+     * [m^2].
+     */
+    template <int dim, class Work>
+    void for_each_face_point(const dealii::DoFHandler<dim> &dof_handler, const dealii::Mapping<dim> &mapping,
+                             dealii::types::boundary_id id, const Work &work)
+    {
+      dealii::FEFaceValues<dim> values(
+          mapping, dof_handler.get_fe(), dealii::QGauss<dim - 1>(dof_handler.get_fe().degree + 1),
+          dealii::update_values | dealii::update_gradients | dealii::update_quadrature_points |
+              dealii::update_JxW_values | dealii::update_normal_vectors);
+      std::vector<dealii::types::global_dof_index> dofs(dof_handler.get_fe().n_dofs_per_cell());
+      for (const auto &cell : dof_handler.active_cell_iterators())
+        if (cell->is_locally_owned() && cell->at_boundary())
+          for (const unsigned int f : cell->face_indices())
+            if (cell->face(f)->at_boundary() && cell->face(f)->boundary_id() == id)
+              {
+                values.reinit(cell, f);
+                cell->get_dof_indices(dofs);
+                for (const unsigned int q : values.quadrature_point_indices())
+                  work(values, q, dofs);
+              }
+    }
+
+    template <int dim>
+    Tensor<2, 3> compute_deformation(Geometry geometry, const dealii::FEFaceValues<dim> &values, unsigned int point,
+                                     const std::vector<dealii::types::global_dof_index> &dofs,
+                                     const Vector &ghosted_displacement)
+    {
+      Tensor<2, 3> deformation(dealii::unit_symmetric_tensor<3>());
+      for (unsigned int i = 0; i < dofs.size(); ++i)
+        deformation += static_cast<double>(ghosted_displacement(dofs[i])) *
+                       embed_gradient<dim>(geometry, values.get_fe().system_to_component_index(i).first,
+                                           values.shape_value(i, point), values.shape_grad(i, point),
+                                           values.quadrature_point(point)[0]);
+      return deformation;
+    }
+  } // namespace
+
+  template <int dim>
+  BoundaryConditions<dim>::BoundaryConditions(const dealii::DoFHandler<dim> &dof_handler,
+                                              const dealii::Mapping<dim> &mapping, Geometry geometry,
+                                              const std::map<std::string, dealii::types::boundary_id> &boundary_ids,
+                                              std::vector<BoundaryCondition> conditions)
+      : dof_handler_(dof_handler), mapping_(mapping), geometry_(geometry), boundary_ids_(boundary_ids),
+        conditions_(std::move(conditions))
+  {
+    check_conditions();
+    collect_prescribed();
+  }
+
+  template <int dim>
+  void BoundaryConditions<dim>::check_conditions()
+  {
+    std::vector<std::string> known;
+    for (const auto &[name, id] : boundary_ids_)
+      known.push_back(name);
+    for (const BoundaryCondition &condition : conditions_)
+      {
+        if (!boundary_ids_.count(condition.boundary))
+          throw std::invalid_argument(
+              fmt::format("boundary condition: no boundary '{}'; known: {}", condition.boundary, join(known)));
+        components_.push_back(condition.kind == ConditionKind::pressure ? 0 : find_component(condition));
+      }
+  }
+
+  template <int dim>
+  unsigned int BoundaryConditions<dim>::find_component(const BoundaryCondition &condition) const
+  {
+    const auto names = get_component_names<dim>();
+    const bool is_r = geometry_ == Geometry::axisymmetric && condition.component == "r";
+    const std::string wanted = is_r ? "x" : condition.component;
+    const auto found = std::find(names.begin(), names.end(), wanted);
+    if (found == names.end())
+      throw std::invalid_argument(fmt::format("boundary condition on '{}': no component '{}'; known: {}",
+                                              condition.boundary, condition.component, join(names)));
+    return found - names.begin();
+  }
+
+  template <int dim>
+  void BoundaryConditions<dim>::collect_prescribed()
+  {
+    const dealii::IndexSet &owned = dof_handler_.locally_owned_dofs();
+    dealii::IndexSet relevant;
+    dealii::DoFTools::extract_locally_relevant_dofs(dof_handler_, relevant);
+    constraints_.reinit(relevant);
+
+    std::map<dealii::types::global_dof_index, dealii::Point<dim>> positions;
+    dealii::DoFTools::map_dofs_to_support_points(mapping_, dof_handler_, positions);
+    std::map<dealii::types::global_dof_index, PrescribedUnknown> prescribed;
+    for (unsigned int i = 0; i < conditions_.size(); ++i)
+      if (conditions_[i].kind == ConditionKind::displacement)
+        {
+          dealii::ComponentMask mask(dim, false);
+          mask.set(components_[i], true);
+          const dealii::IndexSet dofs =
+              dealii::DoFTools::extract_boundary_dofs(dof_handler_, mask, {boundary_ids_.at(conditions_[i].boundary)});
+          for (const auto dof : dofs)
+            {
+              if (!relevant.is_element(dof))
+                continue;
+              constraints_.add_line(dof);
+              if (!owned.is_element(dof))
+                continue;
+              const dealii::Point<3> position(embed<dim>(positions.at(dof)));
+              auto &entry =
+                  prescribed.try_emplace(dof, PrescribedUnknown{dof, i, position, get_axis<dim>(components_[i]), {}})
+                      .first->second;
+              entry.conditions.push_back(i);
+            }
+        }
+    constraints_.close();
+    for (auto &[dof, entry] : prescribed)
+      {
+        prescribed_dofs_.push_back(dof);
+        prescribed_.push_back(std::move(entry));
+      }
+  }
+
+  template <int dim>
+  void BoundaryConditions<dim>::set_free_to_zero(Vector &vector) const
+  {
+    std::vector<double> kept;
+    for (const auto dof : prescribed_dofs_)
+      kept.push_back(vector(dof));
+    vector = 0.;
+    for (std::size_t i = 0; i < kept.size(); ++i)
+      vector(prescribed_dofs_[i]) = kept[i];
+    vector.compress(dealii::VectorOperation::insert);
+  }
+
+  template <int dim>
+  void BoundaryConditions<dim>::set_prescribed(const std::vector<double> &values, Vector &displacement) const
+  {
+    for (const PrescribedUnknown &entry : prescribed_)
+      {
+        const auto &profile = conditions_[entry.condition].profile;
+        const double value = values[entry.condition];
+        displacement(entry.dof) = profile ? profile(entry.position, value) : value;
+      }
+    displacement.compress(dealii::VectorOperation::insert);
+  }
+
+  // A traction keeps its direction, a pressure follows the normal. Nanson: n da = det F F^-T N dA.
+  template <int dim>
+  void BoundaryConditions<dim>::add_condition_forces(unsigned int index, double value,
+                                                     const Vector *ghosted_displacement, const AddForce &add) const
+  {
+    const BoundaryCondition &condition = conditions_[index];
+    const bool is_current = ghosted_displacement != nullptr && condition.area == AreaMeasure::current;
+    const auto add_point = [&](const dealii::FEFaceValues<dim> &values, unsigned int q, const auto &dofs) {
+      Tensor<1, 3> area = values.JxW(q) * compute_depth(geometry_, values.quadrature_point(q)[0]) *
+                          embed<dim>(Tensor<1, dim>(values.normal_vector(q)));
+      if (is_current)
+        {
+          const auto deformation = compute_deformation<dim>(geometry_, values, q, dofs, *ghosted_displacement);
+          area = dealii::determinant(deformation) * dealii::transpose(dealii::invert(deformation)) * area;
+        }
+      Tensor<1, 3> force = -value * area;
+      if (condition.kind == ConditionKind::traction)
+        {
+          force = 0.;
+          force[get_axis<dim>(components_[index])] = value * area.norm();
+        }
+      for (unsigned int i = 0; i < dofs.size(); ++i)
+        {
+          const unsigned int component = values.get_fe().system_to_component_index(i).first;
+          add(dofs[i], component, values.shape_value(i, q) * force[get_axis<dim>(component)]);
+        }
+    };
+    for_each_face_point(dof_handler_, mapping_, boundary_ids_.at(condition.boundary), add_point);
+  }
+
+  template <int dim>
+  void BoundaryConditions<dim>::assemble_external_forces(const std::vector<double> &values,
+                                                         const Vector *ghosted_displacement, Vector &forces) const
+  {
+    forces = 0.;
+    for (unsigned int i = 0; i < conditions_.size(); ++i)
+      if (conditions_[i].kind != ConditionKind::displacement)
+        add_condition_forces(i, values[i], ghosted_displacement,
+                             [&](dealii::types::global_dof_index dof, unsigned int, double force) {
+                               forces.add({dof}, std::vector<double>{force});
+                             });
+    forces.compress(dealii::VectorOperation::add);
+  }
+
+  template <int dim>
+  Tensor<1, 3> BoundaryConditions<dim>::compute_average_displacement(const std::string &boundary,
+                                                                     const Vector &ghosted_displacement) const
+  {
+    double area = 0.;
+    Tensor<1, 3> moment;
+    const auto add_point = [&](const dealii::FEFaceValues<dim> &values, unsigned int q, const auto &dofs) {
+      const double part = values.JxW(q) * compute_depth(geometry_, values.quadrature_point(q)[0]);
+      area += part;
+      for (unsigned int i = 0; i < dofs.size(); ++i)
+        moment[get_axis<dim>(values.get_fe().system_to_component_index(i).first)] +=
+            part * values.shape_value(i, q) * ghosted_displacement(dofs[i]);
+    };
+    for_each_face_point(dof_handler_, mapping_, boundary_ids_.at(boundary), add_point);
+    const MPI_Comm communicator = dof_handler_.get_communicator();
+    area = dealii::Utilities::MPI::sum(area, communicator);
+    moment = dealii::Utilities::MPI::sum(moment, communicator);
+    // The axis has no area: it does not move either.
+    return area > 0. ? moment / area : Tensor<1, 3>();
+  }
+
+  template <int dim>
+  std::vector<BoundaryResponse>
+  BoundaryConditions<dim>::compute_responses(const std::vector<double> &values, const Vector &reactions,
+                                             const Vector &ghosted_displacement, bool finite) const
+  {
+    std::map<std::string, Tensor<1, 3>> forces;
+    for (unsigned int i = 0; i < conditions_.size(); ++i)
+      if (conditions_[i].kind != ConditionKind::displacement)
+        add_condition_forces(i, values[i], finite ? &ghosted_displacement : nullptr,
+                             [&](dealii::types::global_dof_index, unsigned int component, double force) {
+                               forces[conditions_[i].boundary][get_axis<dim>(component)] += force;
+                             });
+    for (const PrescribedUnknown &entry : prescribed_)
+      for (const unsigned int i : entry.conditions)
+        forces[conditions_[i].boundary][entry.axis] += reactions(entry.dof) / entry.conditions.size();
+
+    std::vector<BoundaryResponse> responses;
+    for (const auto &[name, id] : boundary_ids_)
+      responses.push_back({name, dealii::Utilities::MPI::sum(forces[name], dof_handler_.get_communicator()),
+                           compute_average_displacement(name, ghosted_displacement)});
+    return responses;
+  }
+
+  template class BoundaryConditions<2>;
+  template class BoundaryConditions<3>;
+} // namespace fem

@@ -1,0 +1,65 @@
+#include "fem/linear_solver.h"
+
+#include <deal.II/lac/trilinos_precondition.h>
+
+#include <stdexcept>
+
+namespace fem
+{
+  namespace wrappers = dealii::TrilinosWrappers;
+
+  LinearSolver::LinearSolver(const LinearSolverParameters &parameters) : parameters_(parameters) {}
+
+  LinearSolver::~LinearSolver() = default;
+
+  void LinearSolver::initialise(const Matrix &matrix, const std::vector<std::vector<bool>> &constant_modes,
+                                unsigned int degree)
+  {
+    matrix_ = &matrix;
+    const bool is_automatic = parameters_.kind == LinearSolverKind::automatic;
+    const bool is_alone = dealii::Utilities::MPI::n_mpi_processes(matrix.get_mpi_communicator()) == 1;
+    if (parameters_.kind == LinearSolverKind::direct || (is_automatic && is_alone))
+      {
+        direct_ = std::make_unique<wrappers::SolverDirect>(direct_control_,
+                                                           wrappers::SolverDirect::AdditionalData(false, "Amesos_Klu"));
+        try
+          {
+            direct_->initialize(matrix);
+          }
+        catch (const dealii::ExceptionBase &)
+          {
+            throw std::runtime_error("the tangent matrix is singular: is every rigid motion of the body prescribed "
+                                     "away, and does the material answer with a positive stiffness?");
+          }
+        return;
+      }
+    auto multigrid = std::make_unique<wrappers::PreconditionAMG>();
+    wrappers::PreconditionAMG::AdditionalData settings;
+    settings.elliptic = true;
+    settings.higher_order_elements = degree > 1;
+    settings.constant_modes = constant_modes;
+    multigrid->initialize(matrix, settings);
+    preconditioner_ = std::move(multigrid);
+  }
+
+  void LinearSolver::solve(Vector &solution, const Vector &right_hand_side)
+  {
+    if (direct_)
+      return direct_->solve(solution, right_hand_side);
+    const double size = right_hand_side.l2_norm();
+    solution = 0.;
+    if (size == 0.)
+      return;
+    dealii::SolverControl control(parameters_.max_iterations, parameters_.tolerance * size);
+    if (parameters_.kind == LinearSolverKind::cg)
+      {
+        wrappers::SolverCG solver(control);
+        solver.solve(*matrix_, solution, right_hand_side, *preconditioner_);
+      }
+    else
+      {
+        wrappers::SolverGMRES solver(control, wrappers::SolverGMRES::AdditionalData(false, 100));
+        solver.solve(*matrix_, solution, right_hand_side, *preconditioner_);
+      }
+  }
+} // namespace fem

@@ -1,0 +1,138 @@
+#include "fem/quasi_static_problem.h"
+
+#include <algorithm>
+#include <limits>
+#include <stdexcept>
+
+// What a problem tells about its committed state, to observers and to checkpoints.
+namespace fem
+{
+  using dealii::SymmetricTensor;
+
+  namespace
+  {
+    void append_owned(const Vector &vector, std::vector<double> &values)
+    {
+      values.insert(values.end(), vector.begin(), vector.end());
+    }
+
+    Vector take_owned(const Vector &shape, const std::vector<double> &values, std::size_t offset)
+    {
+      Vector vector(shape);
+      std::copy_n(values.begin() + offset, vector.locally_owned_size(), vector.begin());
+      return vector;
+    }
+  } // namespace
+
+  template <int dim>
+  std::vector<PointState> QuasiStaticProblem<dim>::compute_point_states() const
+  {
+    std::vector<PointState> states(requests_.size());
+    for (std::size_t i = 0; i < states.size(); ++i)
+      states[i] = compute_point_state(i);
+    return states;
+  }
+
+  template <int dim>
+  PointState QuasiStaticProblem<dim>::compute_point_state(std::size_t index) const
+  {
+    PointState state;
+    state.id = requests_[index].id;
+    state.position = positions_[index];
+    state.deformation = committed_deformations_[index];
+    state.stress = committed_stresses_[index];
+    state.strain = parameters_.kinematics == Kinematics::finite
+                       ? compute_log_strain(state.deformation)
+                       : dealii::symmetrize(state.deformation) - dealii::unit_symmetric_tensor<3>();
+    return state;
+  }
+
+  template <int dim>
+  PointState QuasiStaticProblem<dim>::compute_nearest_point_state(const dealii::Point<3> &position) const
+  {
+    double distance = std::numeric_limits<double>::max();
+    std::size_t nearest = 0;
+    for (std::size_t i = 0; i < positions_.size(); ++i)
+      if (positions_[i].distance(position) < distance)
+        {
+          distance = positions_[i].distance(position);
+          nearest = i;
+        }
+    const MPI_Comm communicator = get_communicator();
+    const unsigned int rank = dealii::Utilities::MPI::this_mpi_process(communicator);
+    const bool is_here = distance == dealii::Utilities::MPI::min(distance, communicator) && !positions_.empty();
+    const unsigned int owner =
+        dealii::Utilities::MPI::min(is_here ? rank : dealii::numbers::invalid_unsigned_int, communicator);
+    PointState state;
+    if (owner == rank)
+      state = compute_point_state(nearest);
+    state.id = dealii::Utilities::MPI::broadcast(communicator, state.id, owner);
+    state.position = dealii::Utilities::MPI::broadcast(communicator, state.position, owner);
+    state.deformation = dealii::Utilities::MPI::broadcast(communicator, state.deformation, owner);
+    state.stress = dealii::Utilities::MPI::broadcast(communicator, state.stress, owner);
+    state.strain = dealii::Utilities::MPI::broadcast(communicator, state.strain, owner);
+    return state;
+  }
+
+  template <int dim>
+  std::vector<BoundaryResponse> QuasiStaticProblem<dim>::compute_boundary_responses() const
+  {
+    return boundary_->compute_responses(values_, reactions_, ghosted_, parameters_.kinematics == Kinematics::finite);
+  }
+
+  template <int dim>
+  std::vector<double> QuasiStaticProblem<dim>::compute_fingerprint() const
+  {
+    const auto [volume, moment] = assembly_->compute_volume();
+    std::vector<double> fingerprint = {double(dim), double(parameters_.degree),
+                                       double(mesh_.triangulation->n_global_active_cells()),
+                                       double(dof_handler_.n_dofs()), volume};
+    for (unsigned int d = 0; d < 3; ++d)
+      fingerprint.push_back(moment[d]);
+    return fingerprint;
+  }
+
+  template <int dim>
+  typename QuasiStaticProblem<dim>::State QuasiStaticProblem<dim>::get_state() const
+  {
+    State state;
+    append_owned(committed_, state.displacement);
+    for (const auto &stress : committed_stresses_)
+      for (unsigned int i = 0; i < SymmetricTensor<2, 3>::n_independent_components; ++i)
+        state.stress.push_back(stress.access_raw_entry(i));
+    for (const auto &deformation : committed_deformations_)
+      for (unsigned int i = 0; i < 9; ++i)
+        state.deformation.push_back(deformation[i / 3][i % 3]);
+    for (const SecantPair &pair : newton_.get_memory())
+      {
+        append_owned(pair.step, state.secants);
+        append_owned(pair.change, state.secants);
+      }
+    state.values = committed_values_;
+    return state;
+  }
+
+  template <int dim>
+  void QuasiStaticProblem<dim>::set_state(const State &state)
+  {
+    committed_ = take_owned(create_vector(), state.displacement, 0);
+    for (std::size_t p = 0; p < committed_stresses_.size(); ++p)
+      {
+        for (unsigned int i = 0; i < 6; ++i)
+          committed_stresses_[p].access_raw_entry(i) = state.stress[6 * p + i];
+        for (unsigned int i = 0; i < 9; ++i)
+          committed_deformations_[p][i / 3][i % 3] = state.deformation[9 * p + i];
+      }
+    const std::size_t n_owned = owned_.n_elements();
+    SecantHistory history;
+    for (std::size_t offset = 0; offset < state.secants.size(); offset += 2 * n_owned)
+      history.push_back({take_owned(create_vector(), state.secants, offset),
+                         take_owned(create_vector(), state.secants, offset + n_owned)});
+    newton_.set_memory(history);
+    committed_values_ = state.values;
+    revert();
+  }
+
+  template class QuasiStaticProblem<2>;
+  template class QuasiStaticProblem<3>;
+} // namespace fem

@@ -1,0 +1,266 @@
+#include "fem/quasi_static_problem.h"
+
+#include <deal.II/dofs/dof_tools.h>
+#include <deal.II/fe/fe_q.h>
+#include <deal.II/lac/dynamic_sparsity_pattern.h>
+#include <deal.II/lac/sparsity_tools.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace fem
+{
+  using dealii::SymmetricTensor;
+  using dealii::Tensor;
+
+  namespace
+  {
+    const Tensor<2, 3> identity(dealii::unit_symmetric_tensor<3>());
+
+    void check_parameters(const ProblemParameters &parameters)
+    {
+      if (parameters.degree < 1 || parameters.degree > 2)
+        throw std::invalid_argument(fmt::format("problem: degree = {} must be 1 or 2", parameters.degree));
+      if (!(parameters.newton.tolerance > 0. && parameters.newton.tolerance < 1.))
+        throw std::invalid_argument(
+            fmt::format("problem: Newton tolerance = {} must lie in (0, 1)", parameters.newton.tolerance));
+    }
+  } // namespace
+
+  template <int dim>
+  QuasiStaticProblem<dim>::QuasiStaticProblem(Mesh<dim> mesh, const std::vector<BoundaryCondition> &conditions,
+                                              const ProblemParameters &parameters, ConstitutiveModel &material,
+                                              const StressField &initial_stress)
+      : parameters_(parameters), material_(material), mesh_(std::move(mesh)),
+        element_(dealii::FE_Q<dim>(parameters.degree), dim),
+        mapping_(std::make_unique<dealii::MappingQ<dim>>(parameters.degree)), dof_handler_(*mesh_.triangulation),
+        newton_(parameters.newton), linear_solver_(parameters.linear_solver)
+  {
+    check_parameters(parameters_);
+    number_unknowns();
+    assembly_ = std::make_unique<Assembly<dim>>(dof_handler_, *mapping_, parameters_.geometry, parameters_.kinematics);
+    boundary_ = std::make_unique<BoundaryConditions<dim>>(dof_handler_, *mapping_, parameters_.geometry,
+                                                          mesh_.boundary_ids, conditions);
+    allocate();
+    introduce_points(initial_stress);
+    for (const BoundaryCondition &condition : boundary_->get_conditions())
+      values_.push_back(condition.initial_value);
+    committed_values_ = values_;
+  }
+
+  template <int dim>
+  void QuasiStaticProblem<dim>::number_unknowns()
+  {
+    dof_handler_.distribute_dofs(element_);
+    owned_ = dof_handler_.locally_owned_dofs();
+    dealii::DoFTools::extract_locally_relevant_dofs(dof_handler_, relevant_);
+  }
+
+  template <int dim>
+  void QuasiStaticProblem<dim>::allocate()
+  {
+    for (Vector *vector : {&committed_, &baseline_, &trial_, &reactions_, &external_})
+      vector->reinit(owned_, get_communicator());
+    ghosted_.reinit(owned_, relevant_, get_communicator());
+
+    dealii::DynamicSparsityPattern pattern(relevant_);
+    dealii::DoFTools::make_sparsity_pattern(dof_handler_, pattern);
+    dealii::SparsityTools::distribute_sparsity_pattern(pattern, owned_, get_communicator(), relevant_);
+    stiffness_.reinit(owned_, owned_, pattern, get_communicator());
+    constrained_.reinit(owned_, owned_, pattern, get_communicator());
+    dealii::DoFTools::extract_constant_modes(dof_handler_, dealii::ComponentMask(), constant_modes_);
+  }
+
+  template <int dim>
+  void QuasiStaticProblem<dim>::introduce_points(const StressField &initial_stress)
+  {
+    std::vector<PointSite> sites = assembly_->compute_sites();
+    for (PointSite &site : sites)
+      {
+        if (initial_stress)
+          site.initial_stress = initial_stress(site.position);
+        requests_.push_back({site.id, identity});
+        positions_.push_back(site.position);
+        committed_stresses_.push_back(site.initial_stress);
+      }
+    responses_.resize(sites.size());
+    deformations_.assign(sites.size(), identity);
+    baseline_deformations_ = committed_deformations_ = deformations_;
+    material_.initialise(sites);
+  }
+
+  template <int dim>
+  NewtonResult QuasiStaticProblem<dim>::equilibrate(const std::vector<double> &values, bool is_step_start)
+  {
+    values_ = values;
+    Vector increment = create_vector();
+    return newton_.solve(*this, increment, is_step_start);
+  }
+
+  template <int dim>
+  void QuasiStaticProblem<dim>::move_baseline()
+  {
+    baseline_ = trial_;
+    baseline_deformations_ = deformations_;
+  }
+
+  template <int dim>
+  void QuasiStaticProblem<dim>::commit()
+  {
+    committed_ = baseline_;
+    committed_values_ = values_;
+    committed_deformations_ = baseline_deformations_;
+    for (std::size_t i = 0; i < responses_.size(); ++i)
+      committed_stresses_[i] = responses_[i].stress;
+    newton_.commit();
+  }
+
+  template <int dim>
+  void QuasiStaticProblem<dim>::revert()
+  {
+    baseline_ = trial_ = committed_;
+    ghosted_ = committed_;
+    baseline_deformations_ = deformations_ = committed_deformations_;
+    values_ = committed_values_;
+    newton_.revert();
+  }
+
+  template <int dim>
+  Status QuasiStaticProblem<dim>::linearise(bool refresh_tangent, Vector &residual)
+  {
+    const Status status = ask_material(create_vector(), refresh_tangent);
+    if (status != Status::ok)
+      return status;
+    if (refresh_tangent)
+      {
+        assembly_->assemble_stiffness(deformations_, responses_, boundary_->get_constraints(), stiffness_,
+                                      constrained_);
+        linear_solver_.initialise(constrained_, constant_modes_, parameters_.degree);
+      }
+    compute_residual(create_vector(), residual);
+    return Status::ok;
+  }
+
+  template <int dim>
+  Status QuasiStaticProblem<dim>::evaluate(const Vector &increment, Vector &residual)
+  {
+    const Status status = ask_material(increment, false);
+    if (status == Status::ok)
+      compute_residual(increment, residual);
+    return status;
+  }
+
+  // dF = I + grad(du) F_baseline^-1, so that no increment gives I to the last bit.
+  template <int dim>
+  Status QuasiStaticProblem<dim>::ask_material(const Vector &increment, bool with_tangent)
+  {
+    trial_ = baseline_;
+    trial_ += increment;
+    ghosted_ = increment;
+    const bool is_finite = parameters_.kinematics == Kinematics::finite;
+    const auto gradients = assembly_->compute_gradients(ghosted_);
+    ghosted_ = trial_;
+    bool is_inverted = false;
+    for (std::size_t i = 0; i < requests_.size(); ++i)
+      {
+        deformations_[i] = baseline_deformations_[i] + gradients[i];
+        requests_[i].deformation_increment =
+            identity + (is_finite ? gradients[i] * dealii::invert(baseline_deformations_[i]) : gradients[i]);
+        is_inverted |= is_finite && !(dealii::determinant(requests_[i].deformation_increment) > 0.);
+      }
+    if (dealii::Utilities::MPI::max(is_inverted ? 1 : 0, get_communicator()) > 0)
+      return Status::step_too_large;
+    material_.evaluate(requests_, responses_, with_tangent);
+    return reduce_status(with_tangent);
+  }
+
+  // The worst answer over all points and ranks; a stress or tangent that is no number counts as failed.
+  template <int dim>
+  Status QuasiStaticProblem<dim>::reduce_status(bool with_tangent) const
+  {
+    int worst = static_cast<int>(Status::ok);
+    for (const PointResponse &response : responses_)
+      {
+        worst = std::max(worst, static_cast<int>(response.status));
+        if (response.status == Status::ok &&
+            !(std::isfinite(response.stress.norm()) && (!with_tangent || std::isfinite(response.tangent.norm()))))
+          worst = static_cast<int>(Status::failed);
+      }
+    return static_cast<Status>(dealii::Utilities::MPI::max(worst, get_communicator()));
+  }
+
+  template <int dim>
+  void QuasiStaticProblem<dim>::compute_residual(const Vector &increment, Vector &residual)
+  {
+    const bool is_finite = parameters_.kinematics == Kinematics::finite;
+    assembly_->assemble_forces(deformations_, responses_, reactions_);
+    boundary_->assemble_external_forces(values_, is_finite ? &ghosted_ : nullptr, external_);
+
+    Vector support = reactions_; // internal forces on prescribed unknowns
+    boundary_->set_free_to_zero(support);
+    force_scale_ = support.l2_norm() + external_.l2_norm();
+
+    reactions_ -= external_;
+    residual = reactions_;
+    Vector wanted = increment;
+    impose_boundary(wanted);
+    for (const auto dof : boundary_->get_prescribed_dofs())
+      residual(dof) = increment(dof) - wanted(dof);
+    residual.compress(dealii::VectorOperation::insert);
+  }
+
+  template <int dim>
+  void QuasiStaticProblem<dim>::impose_boundary(Vector &increment) const
+  {
+    Vector target = baseline_;
+    boundary_->set_prescribed(values_, target);
+    for (const auto dof : boundary_->get_prescribed_dofs())
+      increment(dof) = target(dof) - baseline_(dof);
+    increment.compress(dealii::VectorOperation::insert);
+  }
+
+  // Free residual once the missing boundary displacement -r_c is made: r_f - K_fc r_c; prescribed entries zero.
+  template <int dim>
+  Vector QuasiStaticProblem<dim>::condense(const Vector &residual) const
+  {
+    Vector missing = residual;
+    boundary_->set_free_to_zero(missing);
+    Vector condensed = create_vector();
+    stiffness_.vmult(condensed, missing);
+    condensed.sadd(-1., 1., residual);
+    for (const auto dof : boundary_->get_prescribed_dofs())
+      condensed(dof) = 0.;
+    condensed.compress(dealii::VectorOperation::insert);
+    return condensed;
+  }
+
+  template <int dim>
+  void QuasiStaticProblem<dim>::solve_linearised(const Vector &residual, Vector &solution)
+  {
+    linear_solver_.solve(solution, condense(residual));
+    for (const auto dof : boundary_->get_prescribed_dofs())
+      solution(dof) = residual(dof);
+    solution.compress(dealii::VectorOperation::insert);
+  }
+
+  template <int dim>
+  double QuasiStaticProblem<dim>::compute_condensed_norm(const Vector &residual)
+  {
+    return condense(residual).l2_norm();
+  }
+
+  template <int dim>
+  double QuasiStaticProblem<dim>::compute_norm(const Vector &residual) const
+  {
+    Vector missing = residual, free = residual;
+    boundary_->set_free_to_zero(missing);
+    free -= missing;
+    return missing.linfty_norm() == 0. ? free.l2_norm() : std::numeric_limits<double>::infinity();
+  }
+
+  template class QuasiStaticProblem<2>;
+  template class QuasiStaticProblem<3>;
+} // namespace fem
