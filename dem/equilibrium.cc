@@ -129,8 +129,8 @@ namespace dem
                 return RestStatus::not_finite;
               if (is_at_rest(driver, control, rule, dynamics, cycle))
                 return RestStatus::at_rest;
-              dynamics.refresh_masses();
             }
+          dynamics.refresh_masses();
           if (cycle >= std::max(rule.cycle_cap, rule.fixed_cycles + driver.get_n_straining()))
             return RestStatus::cap_reached;
           dynamics.advance(driver.compute_increment(cycle, stress, has_servo ? dynamics.compute_stiffness() : 0.));
