@@ -37,7 +37,7 @@ export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
 export OMPI_MCA_rmaps_base_oversubscribe=1 OMPI_MCA_hwloc_base_binding_policy=none
 export OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 DEAL_II_NUM_THREADS=1
 step "run on $ranks processes, into $run"
-mpirun -n "$ranks" build/release/apps/slowsand-bvp "$case_file" --output "$run"
+mpirun -n "$ranks" build/release/slowsand-bvp "$case_file" --output "$run"
 step "figures"
 /usr/bin/python3 apps/slowsand-plot "$run"
 step "done; history in $run/history.csv, mesh and fields in $run/fields (ParaView)"

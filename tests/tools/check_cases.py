@@ -45,7 +45,7 @@ def check_case(program, case, root):
 
 def find_program(build, name):
     """Where the build put a program, or None."""
-    return next((path for path in (build / "apps" / name, build / name) if path.is_file()), None)
+    return next((path for path in (build / name, build / "apps" / name) if path.is_file()), None)
 
 
 def check_folder(folder, build, root):
