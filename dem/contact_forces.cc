@@ -62,7 +62,7 @@ namespace dem
       const double first_scale = law.force_scale_1, second_scale = law.force_scale_2;
       const double first_length = 1. / law.dT1, second_length = 1. / (law.dT2 - law.d1);
       const double hertz_scale = 4. / 3. * law.effective_modulus, shift = law.d1 + law.d2;
-      const double smallest = 1e-300; // keeps the power's argument positive where another stage is selected
+      const double smallest = 1e-100; // of its length: a touch of no depth gives no force and no 0/0
       for (std::size_t i = 0; i < block.n; ++i)
         {
           const double distance = std::sqrt(block.distance[i]);
@@ -75,14 +75,15 @@ namespace dem
           const bool is_hertz = d > law.dT2;
           const double exponent = is_first ? law.c : law.b;
           const double argument = is_first ? d : d - law.d1;
-          const double base = argument * (is_first ? first_length : second_length);
+          const double length = is_first ? first_length : second_length;
+          const double base = argument * length > smallest ? argument * length : smallest;
           const double scale = is_first ? first_scale : second_scale;
-          const double rough = scale * compute_power(base > smallest ? base : smallest, exponent);
+          const double rough = scale * compute_power(base, exponent);
           const double deep = d - shift > 0. ? d - shift : 0.;
           const double hertz = hertz_scale * deep * std::sqrt(deep);
           const double n = root * (is_hertz ? hertz : rough);
           block.force[i] = n;
-          block.stiffness[i] = n * (is_hertz ? 1.5 : exponent) / (is_hertz ? deep : argument);
+          block.stiffness[i] = n * (is_hertz ? 1.5 / deep : exponent * length / base);
         }
     }
 
@@ -93,7 +94,7 @@ namespace dem
         {
           const double distance = std::sqrt(block.distance[i]);
           const double sum = block.overlap[i];
-          const double d = sum - distance;
+          const double d = sum - distance > 0. ? sum - distance : 0.; // rounding may leave a touch of no depth
           const double root = std::sqrt(block.root_radius[i] / sum * d);
           block.distance[i] = distance;
           block.overlap[i] = d;
