@@ -18,7 +18,7 @@ FACES = ((0, 1, 2, 3), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (
 
 def draw(run, options):
     """An axisymmetric mesh as its half section mirrored, a plane one as it is, a solid one as its surface."""
-    grid = read_last_fields(run.path / "fields")
+    grid = read_last_fields(run.path)
     name = choose_field(run, grid, options.field)
     values, label = _scale(name, grid.fields[name])
     if grid.is_solid:
@@ -33,7 +33,7 @@ def choose_field(run, grid, wanted):
             raise BadInput(f"{run.path / 'fields'}: no field {wanted}; there are {', '.join(grid.fields)}")
         return wanted
     for part in PREFERRED:
-        for name in grid.fields:
+        for name in sorted(grid.fields, key=len):  # "void_ratio" before "void_ratio_with_fines"
             if part in re.sub(r"\W+", "_", name.lower()):
                 return name
     if not grid.fields:

@@ -32,21 +32,21 @@ class Grid:
         return self.cells.shape[1] == 8
 
 
-def read_last_fields(folder):
-    """The last time of fields/*.pvd, or the last *.pvtu by name where there is no .pvd."""
-    records = sorted(Path(folder).glob("*.pvd"))
+def read_last_fields(run_folder):
+    """The last time of the run's .pvd, or the last fields/*.pvtu by name where there is no .pvd."""
+    records = sorted(Path(run_folder).glob("*.pvd"))
     if records:
         entries = [(float(_get(records[0], e, "timestep")), _get(records[0], e, "file"))
                    for e in _parse(records[0]).iter("DataSet")]
         if not entries:
             raise BadInput(f"{records[0]}: no DataSet")
         time, name = entries[-1]
-        grid = read_pvtu(Path(folder) / name)
+        grid = read_pvtu(Path(run_folder) / name)
         grid.time = time
         return grid
-    files = sorted(Path(folder).glob("*.pvtu"))
+    files = sorted((Path(run_folder) / "fields").glob("*.pvtu"))
     if not files:
-        raise NotInThisRun(f"no fields/*.pvtu in {Path(folder).parent}")
+        raise NotInThisRun(f"no fields/*.pvtu in {run_folder}")
     return read_pvtu(files[-1])
 
 

@@ -4,6 +4,7 @@ import argparse
 import csv
 import io
 import math
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -117,6 +118,18 @@ class Mesh(unittest.TestCase):
         area = 0.5 * np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])[:, 2]
         np.testing.assert_allclose(area, 2e-4 / 6, rtol=1e-5)  # positive: corners go round, as the drawing needs
         np.testing.assert_allclose(np.unique(grid.fields["void_ratio"]), 0.6 + 0.01 * np.arange(6), rtol=1e-6)
+
+    def test_pieces_of_several_processes_make_one_mesh(self):
+        folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
+        for name in ("a.vtu", "b.vtu"):
+            shutil.copy(SAMPLES / "two_0003.0.vtu", folder / name)
+        pieces = "".join(f'<Piece Source="{name}"/>' for name in ("a.vtu", "b.vtu"))
+        (folder / "all.pvtu").write_text(f"<VTKFile><PUnstructuredGrid>{pieces}</PUnstructuredGrid></VTKFile>",
+                                         encoding="utf-8")
+        grid, one = vtu.read_pvtu(folder / "all.pvtu"), vtu.read_last_fields(SAMPLES)  # three.pvd is the first by name
+        self.assertEqual((len(grid.cells), grid.cells.max()), (12, len(grid.points) - 1))
+        np.testing.assert_array_equal(grid.points[grid.cells[6:]], grid.points[grid.cells[:6]])
+        self.assertEqual(one.time, 1.5)  # as the .pvd says
 
     def test_solid_mesh(self):
         grid = vtu.read_pvtu(SAMPLES / "three_0003.pvtu")

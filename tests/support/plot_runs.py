@@ -100,8 +100,10 @@ def write_bvp_run(folder, samples, mesh="two", points=8):
         write_snapshot(folder / "snapshots" / f"point_{i}_final.h5", 1e6, broken=range(i))
     _write_csv(folder / "history.csv", columns)
     (folder / "parameters.prm").write_text(PARAMETERS, encoding="utf-8")
-    for file in Path(samples).glob(f"{mesh}*"):
+    for file in Path(samples).glob(f"{mesh}_*"):
         shutil.copy(file, folder / "fields")
+    record = (Path(samples) / f"{mesh}.pvd").read_text(encoding="utf-8")
+    (folder / "fields.pvd").write_text(record.replace('file="', 'file="fields/'), encoding="utf-8")
     return folder
 
 

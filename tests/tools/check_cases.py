@@ -40,7 +40,8 @@ def check_case(program, case, root):
         copy = Path(folder) / case.name
         copy.write_text(wrong, encoding="utf-8")
         status, messages = run_check(program, copy, root)
-    return [] if status == 2 else [f"{case.name}: misspelt, {program.name} --check gives {status} instead of 2\n{messages}"]
+    return [] if status == 2 else [
+        f"{case.name}: misspelt, {program.name} --check gives {status} instead of 2\n{messages}"]
 
 
 def find_program(build, name):

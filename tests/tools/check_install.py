@@ -39,7 +39,7 @@ class Install(unittest.TestCase):
         file.chmod(0o755)
 
     def install(self, absent=(), user_id=0, release=DEBIAN_12, failing="nothing", skip="0"):
-        """Runs the script in front of the stand-ins; returns status, standard error and the calls to apt-get and sudo."""
+        """Runs the script in front of the stand-ins; returns status, standard error, calls to apt-get and sudo."""
         (self.folder / "absent").write_text("".join(f"{name}\n" for name in absent), encoding="utf-8")
         (self.folder / "release").write_text(release, encoding="utf-8")
         environment = {"PATH": str(self.folder / "bin"), "STATE": str(self.folder), "USER_ID": str(user_id),
