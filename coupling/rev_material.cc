@@ -1,0 +1,199 @@
+#include "coupling/rev_material.h"
+
+#include "coupling/point_package.h"
+#include "coupling/tensor_conversion.h"
+
+#include <deal.II/base/mpi.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <stdexcept>
+
+namespace coupling
+{
+  using fem::Status;
+
+  namespace
+  {
+    void require_compression(const fem::PointSite &site)
+    {
+      const auto principal = dealii::eigenvalues(site.initial_stress); // the largest first
+      if (!(principal[0] < 0.))
+        throw std::invalid_argument(fmt::format(
+            "initial stress at point {}: grains hold no tension: its largest principal value is {:g} Pa (tension-"
+            "positive); allowed: < 0",
+            site.id, principal[0]));
+    }
+
+    Status reduce(const Status status, MPI_Comm communicator)
+    {
+      return static_cast<Status>(dealii::Utilities::MPI::max(static_cast<int>(status), communicator));
+    }
+  } // namespace
+
+  RevMaterial::RevMaterial(const RevMaterialParameters &parameters, const RevPool &pool)
+      : parameters_(parameters), pool_(pool)
+  {}
+
+  dem::RevModel RevMaterial::make_model(const PointId id) const
+  {
+    dem::RevModel model = parameters_.model;
+    model.identity.rev = id;
+    return model;
+  }
+
+  void RevMaterial::initialise(std::span<const fem::PointSite> sites)
+  {
+    std::vector<PointId> ids;
+    RevPool::Questions stresses;
+    stresses.n_columns = 9;
+    for (const fem::PointSite &site : sites)
+      {
+        require_compression(site);
+        ids.push_back(site.id);
+        append(site.initial_stress, stresses.rows);
+      }
+    stresses.ids = ids;
+    pool_.set_points(ids);
+    points_.clear();
+    for (const PointId id : pool_.get_local_points())
+      points_[id];
+    if (parameters_.is_resumed)
+      return;
+    const auto packings = distribute_packings(pool_, parameters_.packing, parameters_.model);
+    for (std::size_t i = 0; i < packings.size(); ++i)
+      {
+        const PointId id = pool_.get_local_points()[i];
+        points_[id].rev = std::make_unique<dem::Rev>(dem::make_rev(make_model(id), packings[i]));
+      }
+    pool_.ask(stresses, 0, [&](const PointId id, std::span<const double> stress, std::span<double>) {
+      dem::Rev &rev = *points_.at(id).rev;
+      rev = consolidate(rev, to_matrix(take_tensor(stress)), parameters_.consolidation);
+    });
+    update_fields();
+  }
+
+  double RevMaterial::compute_time_to_next_event(const unsigned int n_cuts) const
+  {
+    double earliest = std::numeric_limits<double>::infinity();
+    for (const auto &[id, point] : points_)
+      earliest = std::min(earliest, coupling::compute_time_to_next_event(*point.rev, parameters_.ageing, n_cuts));
+    return dealii::Utilities::MPI::min(earliest, pool_.get_communicator());
+  }
+
+  bool RevMaterial::can_cut_events(const unsigned int n_cuts) const
+  {
+    const bool can_here = std::any_of(points_.begin(), points_.end(), [&](const auto &entry) {
+      return can_cut_batch(*entry.second.rev, parameters_.ageing, n_cuts);
+    });
+    return dealii::Utilities::MPI::max(can_here ? 1 : 0, pool_.get_communicator()) > 0;
+  }
+
+  Status RevMaterial::begin_step(const double dt)
+  {
+    RevQuestion question;
+    question.kind = QuestionKind::age;
+    question.dt = dt;
+    unsigned int n_broken = 0;
+    return change_baselines(question, n_broken);
+  }
+
+  // The rows that travel: nine numbers of dF, whether the tangent is wanted; back come what point_package.h packs.
+  void RevMaterial::evaluate(std::span<const fem::PointRequest> requests, std::span<fem::PointResponse> responses,
+                             const bool with_tangent)
+  {
+    std::vector<PointId> ids;
+    RevPool::Questions questions;
+    questions.n_columns = 9;
+    for (const fem::PointRequest &request : requests)
+      {
+        ids.push_back(request.id);
+        append(request.deformation_increment, questions.rows);
+      }
+    questions.ids = ids;
+    const std::size_t n_columns = get_response_length(with_tangent);
+    const auto rows =
+        pool_.ask(questions, n_columns, [&](const PointId id, std::span<const double> question, std::span<double> row) {
+          dem::Rev &rev = *points_.at(id).rev;
+          const PointAnswer answer = coupling::evaluate(rev, take_tensor(question), with_tangent, parameters_.point);
+          pack(answer.response, with_tangent, row);
+          if (answer.response.status == Status::failed)
+            report_failure(id, rev.get_baseline(), answer.question, answer.report);
+        });
+    for (std::size_t i = 0; i < responses.size(); ++i)
+      responses[i] = unpack(std::span<const double>(rows).subspan(i * n_columns, n_columns), with_tangent);
+    n_evaluations_ += dealii::Utilities::MPI::max(requests.size(), pool_.get_communicator());
+  }
+
+  fem::Settlement RevMaterial::settle(const bool accept_excess)
+  {
+    fem::Settlement settlement;
+    bool is_excessive_here = false;
+    for (auto &[id, point] : points_)
+      {
+        point.rev->accept();
+        is_excessive_here |= is_excessive(*point.rev);
+      }
+    settlement.is_excessive = dealii::Utilities::MPI::max(is_excessive_here ? 1 : 0, pool_.get_communicator()) > 0;
+    if (settlement.is_excessive && !accept_excess)
+      return settlement;
+    RevQuestion question;
+    question.kind = QuestionKind::split;
+    settlement.status = change_baselines(question, settlement.n_broken);
+    return settlement;
+  }
+
+  // Asks all REVs something that moves their baselines on.
+  Status RevMaterial::change_baselines(const RevQuestion &question, unsigned int &n_broken)
+  {
+    std::map<PointId, AgeingReport> reports;
+    for (const PointId id : pool_.get_local_points())
+      reports[id] = {};
+    pool_.for_each_local([&](const PointId id) {
+      dem::Rev &rev = *points_.at(id).rev;
+      const dem::RevState before = rev.get_baseline();
+      reports.at(id) = ask(rev, question, parameters_.ageing);
+      if (reports.at(id).has_failed())
+        report_failure(id, before, question, reports.at(id));
+    });
+    Status status = Status::ok;
+    unsigned int n_broken_here = 0;
+    for (const auto &[id, report] : reports)
+      {
+        n_broken_here += static_cast<unsigned int>(report.n_broken);
+        if (report.has_failed())
+          status = Status::failed;
+      }
+    n_broken = dealii::Utilities::MPI::sum(n_broken_here, pool_.get_communicator());
+    return reduce(status, pool_.get_communicator());
+  }
+
+  void RevMaterial::report_failure(const PointId id, const dem::RevState &before, const RevQuestion &question,
+                                   const AgeingReport &report)
+  {
+    Point &point = points_.at(id);
+    if (parameters_.failure_folder.empty() || point.n_failures >= parameters_.n_failure_files)
+      return;
+    const std::lock_guard lock(failure_mutex_);
+    std::filesystem::create_directories(parameters_.failure_folder);
+    const std::string file = fmt::format("{}/point_{}_{}.h5", parameters_.failure_folder, id, ++point.n_failures);
+    write_failure(file, {make_model(id), before, question, parameters_.ageing, describe(report)});
+  }
+
+  void RevMaterial::commit()
+  {
+    for (auto &[id, point] : points_)
+      point.rev->commit();
+    update_fields();
+  }
+
+  void RevMaterial::revert()
+  {
+    for (auto &[id, point] : points_)
+      point.rev->revert();
+  }
+} // namespace coupling

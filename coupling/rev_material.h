@@ -1,0 +1,95 @@
+#pragma once
+
+#include "coupling/initial_state.h"
+#include "coupling/rev_point.h"
+
+#include "fem/constitutive_model.h"
+
+#include <map>
+#include <memory>
+#include <mutex>
+
+namespace coupling
+{
+  struct RevMaterialParameters
+  {
+    dem::RevModel model; ///< its identity.rev is replaced by the point's number
+    PackingSource packing;
+    ConsolidationRule consolidation;
+    AgeingRule ageing;
+    PointRule point;
+    std::string failure_folder;       ///< where failed REVs are written; empty: nowhere
+    unsigned int n_failure_files = 3; ///< of one REV at most
+    bool is_resumed = false;          ///< the REVs will come from load(): initialise() makes none
+  };
+
+  /** Sums over all REVs of the committed state, the same on every rank. */
+  struct RevTotals
+  {
+    std::uint64_t grains = 0, cycles = 0, broken_instant = 0, broken_delayed = 0;
+    double void_ratio = 0., void_ratio_with_fines = 0.; ///< means over the points [-]
+  };
+
+  /**
+   * A material whose answers come from REVs, one a Gauss point (coupling/README.md, docs/theory.md section 8).
+   *
+   * Each point has its own strengths and cracks, drawn by its number. What a REV cannot do is a status of its point and
+   * a file that replays it.
+   */
+  class RevMaterial : public fem::ConstitutiveModel
+  {
+  public:
+    RevMaterial(const RevMaterialParameters &parameters, const RevPool &pool);
+
+    /** Makes and consolidates the REVs. Throws std::invalid_argument for an initial stress that is not compressive,
+     *  std::runtime_error for a REV that finds no equilibrium. */
+    void initialise(std::span<const fem::PointSite> sites) override;
+
+    double compute_time_to_next_event(unsigned int n_cuts) const override;
+    bool can_cut_events(unsigned int n_cuts) const override;
+    fem::Status begin_step(double dt) override;
+    void evaluate(std::span<const fem::PointRequest> requests, std::span<fem::PointResponse> responses,
+                  bool with_tangent) override;
+    fem::Settlement settle(bool accept_excess) override;
+    void commit() override;
+    void revert() override;
+    std::vector<std::string> get_field_names() const override;
+    std::vector<double> compute_fields(PointId id) const override;
+    void save(const std::string &file) const override;
+    void load(const std::string &file) override;
+
+    RevTotals compute_totals() const;
+
+    /** Writes each committed REV as PREFIX_ID_SUFFIX.h5, on the rank where it lives. Collective. */
+    void write_snapshots(const std::string &prefix, const std::string &suffix) const;
+
+    /** Stresses [Pa] of the committed REVs in the solver's axes, for a macro problem that begins. Keyed by points,
+     * known to all ranks; collective. */
+    std::map<PointId, dealii::SymmetricTensor<2, 3>> collect_stresses() const;
+
+    /** Questions to points so far. */
+    std::uint64_t get_n_evaluations() const { return n_evaluations_; }
+    const RevPool &get_pool() const { return pool_; }
+    const dem::Rev &get_local_rev(PointId id) const { return *points_.at(id).rev; }
+
+  private:
+    struct Point
+    {
+      std::unique_ptr<dem::Rev> rev;
+      unsigned int n_failures = 0;
+    };
+
+    dem::RevModel make_model(PointId id) const;
+    void update_fields();
+    fem::Status change_baselines(const RevQuestion &question, unsigned int &n_broken);
+    void report_failure(PointId id, const dem::RevState &before, const RevQuestion &question,
+                        const AgeingReport &report);
+
+    RevMaterialParameters parameters_;
+    RevPool pool_;
+    std::map<PointId, Point> points_; ///< those that live here
+    std::vector<double> fields_;      ///< of all points, by get_field_names(), after the last commit
+    std::uint64_t n_evaluations_ = 0;
+    std::mutex failure_mutex_; // HDF5 is not thread-safe
+  };
+} // namespace coupling

@@ -1,0 +1,169 @@
+// What leaves a RevMaterial: fields, totals, snapshots and checkpoints.
+
+#include "coupling/rev_material.h"
+#include "coupling/tensor_conversion.h"
+
+#include "dem/snapshot.h"
+
+#include <fmt/format.h>
+
+#include <stdexcept>
+
+namespace coupling
+{
+  namespace
+  {
+    /** Order of the fields of a point. */
+    enum Field : std::size_t
+    {
+      void_ratio,
+      void_ratio_with_fines,
+      coordination,
+      time_to_fracture,
+      broken_instant,
+      broken_delayed,
+      grains,
+      cycles,
+      n_fields
+    };
+
+    void fill_fields(const dem::Rev &rev, std::span<double> row)
+    {
+      const dem::RevState &state = rev.get_committed();
+      const auto contacts = dem::list_contacts(state, rev.get_law());
+      row[void_ratio] = dem::compute_void_ratio(state);
+      row[void_ratio_with_fines] = dem::compute_void_ratio_with_fines(state);
+      row[coordination] =
+          dem::compute_coordination(contacts, state.grains.size(), rev.get_model().dynamics.motion.is_rotation_free)
+              .without_rattlers;
+      row[time_to_fracture] = rev.compute_time_to_next_batch();
+      row[broken_instant] = static_cast<double>(state.counters.broken_instant);
+      row[broken_delayed] = static_cast<double>(state.counters.broken_delayed);
+      row[grains] = static_cast<double>(state.grains.size());
+      row[cycles] = static_cast<double>(state.counters.cycles);
+    }
+
+    std::string name_dataset(const PointId id)
+    {
+      return fmt::format("/material/points/{}", id);
+    }
+
+    /** One message of bytes from a rank to rank 0; empty on the others. */
+    std::vector<std::byte> send_to_first(std::vector<std::byte> bytes, const unsigned int source, const RevPool &pool)
+    {
+      if (source == 0 || (pool.get_rank() != 0 && pool.get_rank() != source))
+        return bytes;
+      std::uint64_t n_bytes = bytes.size();
+      const int from = static_cast<int>(source), tag = 0;
+      if (pool.get_rank() == source)
+        {
+          MPI_Send(&n_bytes, 1, MPI_UINT64_T, 0, tag, pool.get_communicator());
+          MPI_Send(bytes.data(), static_cast<int>(n_bytes), MPI_BYTE, 0, tag, pool.get_communicator());
+          return {};
+        }
+      MPI_Recv(&n_bytes, 1, MPI_UINT64_T, from, tag, pool.get_communicator(), MPI_STATUS_IGNORE);
+      bytes.resize(n_bytes);
+      MPI_Recv(bytes.data(), static_cast<int>(n_bytes), MPI_BYTE, from, tag, pool.get_communicator(),
+               MPI_STATUS_IGNORE);
+      return bytes;
+    }
+  } // namespace
+
+  std::vector<std::string> RevMaterial::get_field_names() const
+  {
+    return {"void ratio [-]",     "void ratio with fines [-]", "coordination [-]", "time to fracture [s]",
+            "broken at once [-]", "broken delayed [-]",        "grains [-]",       "cycles [-]"};
+  }
+
+  void RevMaterial::update_fields()
+  {
+    fields_ = pool_.collect(n_fields,
+                            [&](const PointId id, std::span<double> row) { fill_fields(*points_.at(id).rev, row); });
+  }
+
+  std::vector<double> RevMaterial::compute_fields(const PointId id) const
+  {
+    const auto row = fields_.begin() + static_cast<std::ptrdiff_t>(pool_.get_index(id) * n_fields);
+    return {row, row + n_fields};
+  }
+
+  RevTotals RevMaterial::compute_totals() const
+  {
+    RevTotals totals;
+    const std::size_t n_points = pool_.get_points().size();
+    for (std::size_t i = 0; i < n_points; ++i)
+      {
+        const double *row = fields_.data() + i * n_fields;
+        totals.grains += static_cast<std::uint64_t>(row[grains]);
+        totals.cycles += static_cast<std::uint64_t>(row[cycles]);
+        totals.broken_instant += static_cast<std::uint64_t>(row[broken_instant]);
+        totals.broken_delayed += static_cast<std::uint64_t>(row[broken_delayed]);
+        totals.void_ratio += row[void_ratio] / static_cast<double>(n_points);
+        totals.void_ratio_with_fines += row[void_ratio_with_fines] / static_cast<double>(n_points);
+      }
+    return totals;
+  }
+
+  std::map<PointId, dealii::SymmetricTensor<2, 3>> RevMaterial::collect_stresses() const
+  {
+    constexpr std::size_t n_columns = dealii::SymmetricTensor<2, 3>::n_independent_components;
+    const auto rows = pool_.collect(n_columns, [&](const PointId id, std::span<double> row) {
+      const dem::RevState &state = points_.at(id).rev->get_committed();
+      const auto stress = to_symmetric_tensor(state.rotation * state.stress * state.rotation.transpose());
+      std::copy(stress.begin_raw(), stress.end_raw(), row.begin());
+    });
+    std::map<PointId, dealii::SymmetricTensor<2, 3>> stresses;
+    for (std::size_t i = 0; i < pool_.get_points().size(); ++i)
+      for (unsigned int m = 0; m < n_columns; ++m)
+        stresses[pool_.get_points()[i]].access_raw_entry(m) = rows[i * n_columns + m];
+    return stresses;
+  }
+
+  void RevMaterial::write_snapshots(const std::string &prefix, const std::string &suffix) const
+  {
+    pool_.agree([&]() {
+      for (const auto &[id, point] : points_)
+        {
+          const dem::RevState &state = point.rev->get_committed();
+          dem::write_snapshot(fmt::format("{}_{}_{}.h5", prefix, id, suffix), state,
+                              dem::list_contacts(state, point.rev->get_law()), {parameters_.model.identity.seed, id});
+        }
+    });
+  }
+
+  // One point after another, so that rank 0 never holds more than one state of the others.
+  void RevMaterial::save(const std::string &file) const
+  {
+    for (const PointId id : pool_.get_points())
+      {
+        std::vector<std::byte> bytes;
+        if (const auto here = points_.find(id); here != points_.end())
+          bytes = dem::serialise(here->second.rev->get_committed());
+        bytes = send_to_first(std::move(bytes), pool_.get_owner(id), pool_);
+        pool_.agree([&]() {
+          if (pool_.get_rank() == 0)
+            dem::write_bytes(file, name_dataset(id), bytes);
+        });
+      }
+  }
+
+  void RevMaterial::load(const std::string &file)
+  {
+    pool_.agree([&]() {
+      for (auto &[id, point] : points_)
+        {
+          const auto bytes = dem::read_bytes(file, name_dataset(id));
+          try
+            {
+              point.rev = std::make_unique<dem::Rev>(make_model(id), dem::deserialise(bytes));
+            }
+          catch (const std::runtime_error &error)
+            {
+              throw std::runtime_error(
+                  fmt::format("{}, dataset {}: {}", file, name_dataset(id), std::string(error.what())));
+            }
+        }
+    });
+    update_fields();
+  }
+} // namespace coupling

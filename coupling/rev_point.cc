@@ -1,0 +1,73 @@
+#include "coupling/rev_point.h"
+
+#include "coupling/tensor_conversion.h"
+
+#include <chrono>
+
+namespace coupling
+{
+  namespace
+  {
+    constexpr double rounding_of_stretch = 1e-14;
+
+    dealii::SymmetricTensor<4, 3> compute_trial_tangent(const dem::Rev &rev, const dem::TangentKind kind)
+    {
+      dem::Rev moved = rev;
+      moved.accept();
+      dem::Tangent tangent = moved.compute_tangent(kind);
+      if (!tangent.allFinite())
+        tangent = moved.compute_tangent(dem::TangentKind::affine);
+      return rotate(to_tensor(tangent), moved.get_baseline().rotation);
+    }
+
+    bool is_too_large(const dealii::Tensor<2, 3> &deformation_increment)
+    {
+      return !(dealii::determinant(deformation_increment) > 0.);
+    }
+  } // namespace
+
+  RevIncrement split_increment(const dealii::Tensor<2, 3> &deformation_increment, const dem::Matrix &baseline_rotation,
+                               const fem::Kinematics kinematics)
+  {
+    const dem::Matrix increment = to_matrix(deformation_increment);
+    dem::Matrix turn = dem::Matrix::Identity();
+    if (kinematics == fem::Kinematics::finite)
+      turn = to_matrix(fem::decompose_polar(deformation_increment).rotation);
+    const dem::Matrix unrotated = turn.transpose() * increment;
+    // The strain alone is turned, so that no strain stays none to the last bit.
+    dem::Matrix strain = 0.5 * (unrotated + unrotated.transpose()) - dem::Matrix::Identity();
+    if (strain.cwiseAbs().maxCoeff() < rounding_of_stretch)
+      strain.setZero();
+    const dem::Matrix turned = baseline_rotation.transpose() * strain * baseline_rotation;
+    return {dem::Matrix::Identity() + 0.5 * (turned + turned.transpose()), turn * baseline_rotation};
+  }
+
+  PointAnswer evaluate(dem::Rev &rev, const dealii::Tensor<2, 3> &deformation_increment, const bool with_tangent,
+                       const PointRule &rule)
+  {
+    const auto start = std::chrono::steady_clock::now();
+    PointAnswer answer;
+    fem::PointResponse &response = answer.response;
+    response.status = fem::Status::step_too_large;
+    if (is_too_large(deformation_increment))
+      return answer;
+    const RevIncrement increment = split_increment(deformation_increment, rev.get_baseline().rotation, rule.kinematics);
+    if (!((increment.stretch - dem::Matrix::Identity()).cwiseAbs().maxCoeff() <= rule.largest_stretch))
+      return answer;
+
+    answer.question.stretch = increment.stretch;
+    answer.report.rest = rev.deform(increment.stretch);
+    rev.set_trial_rotation(increment.rotation);
+    response.status = answer.report.has_failed() ? fem::Status::failed : fem::Status::ok;
+    response.unbalanced_ratio = answer.report.rest.unbalanced_ratio;
+    if (response.status == fem::Status::ok)
+      {
+        const dem::Matrix &q = increment.rotation;
+        response.stress = to_symmetric_tensor(q * rev.get_trial().stress * q.transpose());
+        if (with_tangent)
+          response.tangent = compute_trial_tangent(rev, rule.tangent);
+      }
+    response.cost_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return answer;
+  }
+} // namespace coupling
