@@ -89,7 +89,7 @@ class BadInput(PlotTest):
         self.edit(history, r"(?m)^([^,]+),2.0,load,", r"\1,two,load,")
         self.assert_refused(run_plot(run, "--figures", "creep"), str(history), "line 27", "column stage", "'two'")
         history.write_text(history.read_text(encoding="utf-8")[:-40], encoding="utf-8")
-        self.assert_refused(run_plot(run), str(history), "line ")
+        self.assert_refused(run_plot(run), str(history), "values for", "columns")
 
     def test_stage_that_does_not_exist(self):
         run = plot_runs.write_rev_run(self.folder / "run")
