@@ -1,0 +1,103 @@
+#include "tests/support/fem_cases.h"
+
+#include <gtest/gtest.h>
+
+using namespace fem_cases;
+
+namespace
+{
+  std::string get_error(const std::function<void()> &work)
+  {
+    try
+      {
+        work();
+      }
+    catch (const std::exception &error)
+      {
+        return error.what();
+      }
+    return "";
+  }
+} // namespace
+
+TEST(LoadingProgramme, CreepMilestonesAreThoseOfAllSeriesInOrder)
+{
+  // Law: outputs at first 10^(k/n), scheduled steps likewise, the end last; each is followed by the next larger one.
+  Stage stage = get_creep_stage(50., 1.);
+  stage.steps_per_decade = 2.;
+  std::vector<double> milestones;
+  for (double position = 0.; position < stage.duration; milestones.push_back(position))
+    position = compute_next_milestone(stage, position);
+  ASSERT_EQ(milestones.size(), 5u);
+  const double expected[] = {1., std::sqrt(10.), 10., std::sqrt(1000.), 50.};
+  for (unsigned int i = 0; i < 5; ++i)
+    EXPECT_DOUBLE_EQ(milestones[i], expected[i]);
+  EXPECT_TRUE(is_output_position(stage, milestones[0]));
+  EXPECT_FALSE(is_output_position(stage, milestones[1]));
+  EXPECT_TRUE(is_output_position(stage, milestones[2]));
+  EXPECT_TRUE(is_output_position(stage, milestones[4]));
+}
+
+TEST(LoadingProgramme, ManyDecadesGiveNeitherRepeatedNorMissingOutputs)
+{
+  // Law: n outputs a decade are n outputs a decade, also where 10^(k/n) is not a number of the machine.
+  const Stage stage = get_creep_stage(1e9, 7.);
+  unsigned int n_milestones = 0;
+  for (double position = 0.; position < stage.duration; ++n_milestones)
+    {
+      position = compute_next_milestone(stage, position);
+      EXPECT_TRUE(is_output_position(stage, position));
+    }
+  EXPECT_EQ(n_milestones, 9u * 7u + 1u);
+}
+
+TEST(LoadingProgramme, GeometricSpacingHasEqualRatios)
+{
+  // Law: value(share) = start (end/start)^share.
+  Stage stage = get_load_stage(8e6, 3);
+  stage.spacing = Spacing::geometric;
+  EXPECT_DOUBLE_EQ(interpolate(stage, 1e6, 8e6, 1. / 3.), 2e6);
+  EXPECT_EQ(interpolate(stage, 1e6, 8e6, 1.), 8e6);
+  EXPECT_EQ(interpolate(stage, 0., 0., 0.5), 0.); // a held zero stays zero
+}
+
+TEST(LoadingProgramme, BadStagesAreNamed)
+{
+  // Law: an impossible stage is refused with its name, the parameter, the value and the range.
+  const auto conditions = get_oedometer_conditions();
+  Stage geometric = get_load_stage(1e6);
+  geometric.spacing = Spacing::geometric; // from zero
+  EXPECT_NE(get_error([&] { resolve_targets(conditions, {geometric}); }).find("geometric"), std::string::npos);
+  Stage creep = get_creep_stage(0., 1.);
+  EXPECT_EQ(get_error([&] { resolve_targets(conditions, {creep}); }),
+            "stage 'creep': duration = 0 must be > 0 s in a creep stage");
+  Stage unknown = get_load_stage(1e6);
+  unknown.targets[0].boundary = "lid";
+  EXPECT_EQ(get_error([&] { resolve_targets(conditions, {unknown}); }),
+            "stage 'load': no condition 'lid pressure' for this target; known: axis displacement x, outer displacement x, "
+            "bottom displacement z, top pressure");
+}
+
+TEST(BoundaryConditions, WrongNamesAreToldWithTheKnownOnes)
+{
+  // Law: an unknown boundary or component is refused with what there is.
+  ScriptedMaterial material;
+  const auto build = [&](const BoundaryCondition &condition) {
+    return get_error([&] {
+      QuasiStaticProblem<2>(create_oedometer_mesh(1, 1, MPI_COMM_SELF), {condition}, {}, material);
+    });
+  };
+  EXPECT_EQ(build({"lid", ConditionKind::pressure, ""}),
+            "boundary condition: no boundary 'lid'; known: axis, bottom, outer, top");
+  EXPECT_EQ(build({"top", ConditionKind::displacement, "y"}),
+            "boundary condition on 'top': no component 'y'; known: x, z");
+}
+
+TEST(BoundaryConditions, ABodyThatCanMoveFreelyIsToldFromASingularTangent)
+{
+  // Law: rigid motions must be prescribed away; the message says so.
+  ScriptedMaterial material;
+  QuasiStaticProblem<2> problem(create_oedometer_mesh(1, 1, MPI_COMM_SELF), {{"top", ConditionKind::pressure, ""}},
+                                get_exact_parameters(Geometry::plane_strain, Kinematics::small), material);
+  EXPECT_NE(get_error([&] { problem.equilibrate({1e6}, true); }).find("rigid motion"), std::string::npos);
+}
