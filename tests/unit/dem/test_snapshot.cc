@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <gtest/gtest.h>
+#include <memory>
 #include <random>
 #include <stdexcept>
 #include <string>
@@ -304,6 +305,7 @@ TEST_F(Snapshot, FullDiskLeavesTheEarlierFile)
   fs::create_directories(disk);
   if (::mount("tmpfs", disk.c_str(), "tmpfs", 0, "size=1m") != 0)
     GTEST_SKIP() << "needs the right to mount a small disk";
+  const std::shared_ptr<void> unmount(nullptr, [&](void *) { ::umount(disk.c_str()); });
   write("disk/a.h5");
   const std::vector<std::byte> before = dem::serialise(dem::read_snapshot(path("disk/a.h5")).state);
   std::ofstream(disk + "/filler") << std::string(1024 * 1024, 'x');
@@ -311,7 +313,6 @@ TEST_F(Snapshot, FullDiskLeavesTheEarlierFile)
   const std::string message = message_of([&] { write("disk/a.h5"); });
   EXPECT_TRUE(contains(message, "disk/a.h5.tmp: cannot write: No space left on device")) << message;
   EXPECT_EQ(dem::serialise(dem::read_snapshot(path("disk/a.h5")).state), before);
-  ::umount(disk.c_str());
 }
 
 // A published file has its final name and takes the place of the one before.
