@@ -65,15 +65,14 @@ namespace dem
       for (int k = 0; k < grid.n[2]; ++k)
         for (int j = 0; j < grid.n[1]; ++j)
           for (int i = 0; i < grid.n[0]; ++i)
-            for (int neighbour = 0; neighbour < 27; ++neighbour)
+            for (int neighbour = 13; neighbour < 27; ++neighbour) // itself and one of each two opposite ones
               {
                 const std::uint32_t here = grid.index(i, j, k);
                 const std::uint32_t there =
                     grid.index(i + neighbour % 3 - 1, j + neighbour / 3 % 3 - 1, k + neighbour / 9 - 1);
                 for (std::uint32_t p = grid.start[here]; p < grid.start[here + 1]; ++p)
-                  for (std::uint32_t q = grid.start[there]; q < grid.start[there + 1]; ++q)
-                    if (grid.grain[p] < grid.grain[q])
-                      pair(grid.grain[p], grid.grain[q]);
+                  for (std::uint32_t q = here == there ? p + 1 : grid.start[there]; q < grid.start[there + 1]; ++q)
+                    pair(std::min(grid.grain[p], grid.grain[q]), std::max(grid.grain[p], grid.grain[q]));
               }
     }
 
@@ -106,7 +105,7 @@ namespace dem
   {
     Vector fraction = to_vector(place_b) - to_vector(place_a);
     for (int k = 0; k < 3; ++k)
-      fraction[k] -= std::nearbyint(fraction[k]);
+      fraction[k] -= __builtin_rint(fraction[k]);
     return cell.edges * fraction;
   }
 

@@ -43,7 +43,8 @@ namespace dem
       : state_(state), law_(law), rule_(rule)
   {
     motion_.is_rotation_free = rule.motion.is_rotation_free;
-    motion_.time_step = 0.; // the first forces follow no motion
+    motion_.has_contact_stress = rule.motion.has_true_masses; // cracks may grow in every cycle
+    motion_.time_step = 0.;                                   // the first forces follow no motion
     if (!rule.motion.has_true_masses)
       take_velocities_away(state_.grains);
     rebuild();

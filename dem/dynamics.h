@@ -8,7 +8,7 @@ namespace dem
   struct DynamicsRule
   {
     MotionRule motion;
-    double skin_share = 0.1; ///< skin of the contact network over the mean radius [-]
+    double skin_share = 0.2; ///< skin of the contact network over the mean radius [-]
   };
 
   /**
@@ -46,6 +46,8 @@ namespace dem
     double compute_stiffness() const;        ///< (1/3V) sum of kn |branch|^2 [Pa], an upper bound of the P-wave modulus
     double get_time_step() const { return kinetics_.time_step; }
     std::size_t get_n_cycles() const { return n_cycles_; }
+    /** Largest contact stress of each grain [Pa]; with true masses only. */
+    const std::vector<double> &get_largest_contact_stress() const { return forces_.largest_stress; }
     const ContactNetwork &get_network() const { return network_; }
 
   private:

@@ -119,13 +119,15 @@ namespace dem
         position_.share = step.share;
         // The end of a stage is reached to the last bit, whatever the sum of steps rounds to.
         const double left = stage_.duration - position_.time_in_stage;
-        position_.time_in_stage = step.dt >= left * (1. - 1e-14) ? stage_.duration : position_.time_in_stage + step.dt;
+        position_.time_in_stage =
+            step.dt >= left * (1. - 1e-14) ? stage_.duration : position_.time_in_stage + step.dt + dynamic_time_;
         position_.share_step = std::min(nominal_, 2. * position_.share_step);
         position_.n_cuts = position_.n_cuts > 0 ? position_.n_cuts - 1 : 0;
       }
 
       StepOutcome attempt(const Step &step, std::vector<Observation> &observations)
       {
+        dynamic_time_ = 0.;
         if (step.dt > 0.)
           age(step.dt, observations);
         for (std::size_t round = 0; round < rule_.round_cap; ++round)
@@ -134,6 +136,7 @@ namespace dem
             if (report.status != RestStatus::at_rest)
               return step.may_be_halved ? StepOutcome::too_large : StepOutcome::no_equilibrium;
             rev_.accept();
+            dynamic_time_ += report.duration;
             record(is_held(stage_)
                        ? (stage_.kind == StageKind::relaxation ? ObservationKind::relaxed : ObservationKind::dynamic)
                        : ObservationKind::load,
@@ -167,6 +170,7 @@ namespace dem
       const LaboratoryRule &rule_;
       LaboratoryPosition &position_;
       const double nominal_;
+      double dynamic_time_ = 0.; // of the present attempt [s]
     };
 
     /** One stage from where it stands to its end. */

@@ -1,6 +1,7 @@
 #include "dem/rev.h"
 
 #include "dem/ageing.h"
+#include "dem/dynamic_computation.h"
 
 namespace dem
 {
@@ -21,7 +22,10 @@ namespace dem
 
   RestReport Rev::bring_to_rest(RevState &state, const CellControl &control) const
   {
-    const RestReport report = dem::bring_to_rest(state, {law_, model_.dynamics, model_.equilibrium}, control);
+    const RestRule rule{law_, model_.dynamics, model_.equilibrium};
+    const RestReport report = model_.dynamics.motion.has_true_masses
+                                  ? run_dynamic_computation(state, rule, {model_.fracture, model_.identity}, control)
+                                  : dem::bring_to_rest(state, rule, control);
     if (report.status == RestStatus::at_rest)
       update_crack_velocities(state.grains, list_contacts(state, law_), model_.fracture);
     return report;

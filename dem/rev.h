@@ -26,8 +26,9 @@ namespace dem
    * One representative volume of grains with its three states (docs/theory.md, section 8).
    *
    * committed: the last accepted step. baseline: committed, moved on by ageing and by each equilibrium accepted since.
-   * trial: the answer to the last question, which always starts at the baseline. Fracture is frozen in every question;
-   * only age() and split_overstressed() break grains, and both do so in the baseline.
+   * trial: the answer to the last question, which always starts at the baseline. With scaled masses fracture is frozen
+   * in every question; only age() and split_overstressed() break grains, and both do so in the baseline. With true
+   * masses a question is a dynamic computation: time passes, cracks grow and grains break in the trial.
    */
   class Rev
   {

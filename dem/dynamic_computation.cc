@@ -1,0 +1,64 @@
+#include "dem/dynamic_computation.h"
+
+namespace dem
+{
+  namespace
+  {
+    /** Grows the cracks over the coming time step and replaces the grains whose limit is reached. */
+    class Cracking
+    {
+    public:
+      Cracking(RevState &state, const ContactLaw &law, const CrackingRule &rule) : state_(state), law_(law), rule_(rule)
+      {}
+
+      void act(Dynamics &dynamics)
+      {
+        const double dt = dynamics.get_time_step();
+        const auto broken = grow_cracks(dynamics.get_largest_contact_stress(), dt);
+        state_.time += dt;
+        if (broken.empty())
+          return;
+        state_.contacts = collect_memories(dynamics.get_network());
+        split_grains(state_, broken, list_contacts(state_, law_), rule_.fracture, rule_.identity);
+        dynamics.rebuild();
+        dynamics.compute_forces();
+      }
+
+    private:
+      std::vector<std::size_t> grow_cracks(const std::vector<double> &contact_stress, const double dt)
+      {
+        std::vector<std::size_t> broken;
+        Grains &grains = state_.grains;
+        for (std::size_t i = 0; i < grains.size(); ++i)
+          {
+            if (!rule_.fracture.is_active || 2. * grains.place[i].w < rule_.fracture.comminution_diameter)
+              continue;
+            const bool is_instant = contact_stress[i] > grains.strength[i];
+            grains.crack_half_length[i] +=
+                dt * compute_crack_velocity(rule_.fracture.crack, contact_stress[i], grains.strength[i]);
+            const bool is_delayed = grains.crack_half_length[i] > grains.place[i].w;
+            if (is_instant || is_delayed)
+              {
+                broken.push_back(i);
+                ++(is_instant ? state_.counters.broken_instant : state_.counters.broken_delayed);
+              }
+          }
+        return broken;
+      }
+
+      RevState &state_;
+      const ContactLaw &law_;
+      const CrackingRule &rule_;
+    };
+  } // namespace
+
+  RestReport run_dynamic_computation(RevState &state, const RestRule &rule, const CrackingRule &cracking,
+                                     const CellControl &control)
+  {
+    const double start = state.time;
+    Cracking cracks(state, rule.law, cracking);
+    RestReport report = bring_to_rest(state, rule, control, [&](Dynamics &dynamics) { cracks.act(dynamics); });
+    report.duration = state.time - start;
+    return report;
+  }
+} // namespace dem
