@@ -1,5 +1,7 @@
 #include "fem/boundary_conditions.h"
 
+#include "fem/rigid_motions.h"
+
 #include <deal.II/base/quadrature_lib.h>
 #include <deal.II/dofs/dof_tools.h>
 #include <deal.II/fe/fe_values.h>
@@ -73,6 +75,21 @@ namespace fem
   {
     check_conditions();
     collect_prescribed();
+    check_rigid_motions();
+  }
+
+  template <int dim>
+  void BoundaryConditions<dim>::check_rigid_motions() const
+  {
+    std::vector<PrescribedComponent> components;
+    for (const PrescribedUnknown &entry : prescribed_)
+      components.push_back({entry.position, entry.axis});
+    const unsigned int n_free = count_free_rigid_motions(geometry_, components, dof_handler_.get_communicator());
+    if (n_free > 0)
+      throw std::invalid_argument(
+          fmt::format("boundary conditions: {} of the body left free: prescribe more "
+                      "displacement components",
+                      n_free == 1 ? "1 rigid motion" : fmt::format("{} rigid motions", n_free)));
   }
 
   template <int dim>

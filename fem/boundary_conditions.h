@@ -55,7 +55,8 @@ namespace fem
   class BoundaryConditions
   {
   public:
-    /** Throws std::invalid_argument naming boundary or component and the known ones. Where two conditions prescribe the
+    /** Throws std::invalid_argument naming boundary or component and the known ones, or when a rigid
+     *  motion of the body is left free. Where two conditions prescribe the
      *  same unknown, the first one listed holds. */
     BoundaryConditions(const dealii::DoFHandler<dim> &dof_handler, const dealii::Mapping<dim> &mapping,
                        Geometry geometry, const std::map<std::string, dealii::types::boundary_id> &boundary_ids,
@@ -100,6 +101,7 @@ namespace fem
 
     void check_conditions();
     void collect_prescribed();
+    void check_rigid_motions() const;
     unsigned int find_component(const BoundaryCondition &condition) const;
 
     /** Calls add(unknown, mesh component, nodal force [N]) for a traction or pressure. */

@@ -80,7 +80,7 @@ namespace fem_cases
         : ElasticMaterial(get_elastic_parameters(kinematics), communicator)
     {}
 
-    double true_share = 1.;       ///< true stiffness over that of the tangent
+    double true_share = 1.;         ///< true stiffness over that of the tangent
     unsigned int n_evaluations = 0; ///< calls without tangent
     unsigned int n_commits = 0, n_reverts = 0;
     double time_to_event = std::numeric_limits<double>::infinity();
@@ -102,8 +102,8 @@ namespace fem_cases
                   bool with_tangent) override
     {
       ElasticMaterial::evaluate(requests, responses, with_tangent);
-      const bool is_zero = requests.front().deformation_increment ==
-                           dealii::Tensor<2, 3>(dealii::unit_symmetric_tensor<3>());
+      const bool is_zero =
+          requests.front().deformation_increment == dealii::Tensor<2, 3>(dealii::unit_symmetric_tensor<3>());
       if (with_tangent || is_zero)
         return;
       ++n_evaluations;
@@ -145,9 +145,8 @@ namespace fem_cases
   {
     explicit Oedometer(ProblemParameters parameters = get_exact_parameters(Geometry::axisymmetric, Kinematics::small),
                        unsigned int n_cells = 1, MPI_Comm communicator = MPI_COMM_SELF)
-        : material(parameters.kinematics, communicator),
-          problem(create_oedometer_mesh(n_cells, n_cells, communicator), get_oedometer_conditions(), parameters,
-                  material)
+        : material(parameters.kinematics, communicator), problem(create_oedometer_mesh(n_cells, n_cells, communicator),
+                                                                 get_oedometer_conditions(), parameters, material)
     {}
 
     /** Downward displacement of the top over the height [-]. */

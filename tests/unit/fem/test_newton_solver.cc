@@ -114,7 +114,8 @@ TEST(NewtonSolver, MeetsADisplacementConditionAndItsReaction)
 
 TEST(NewtonSolver, HalvesOnceAStepThatAPointRefuses)
 {
-  // Law: one refusal is answered with half the step; the second in the same search ends the equilibrium with its status.
+  // Law: one refusal is answered with half the step; the second in the same search ends the equilibrium with its
+  // status.
   Oedometer oedometer;
   oedometer.material.on_evaluate = [](unsigned int n) { return n == 1 ? Status::step_too_large : Status::ok; };
   EXPECT_EQ(load(oedometer, 1e6).status, EquilibriumStatus::converged);
