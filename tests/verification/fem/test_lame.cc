@@ -6,7 +6,8 @@
 
 using namespace fem_cases;
 
-// Thick cylinder under inner pressure in plane strain (Lame): u = (p a^2 / (b^2 - a^2)) (1 + nu)/E ((1 - 2 nu) r + b^2/r).
+// Thick cylinder under inner pressure in plane strain (Lame): u = (p a^2 / (b^2 - a^2)) (1 + nu)/E ((1 - 2 nu) r +
+// b^2/r).
 namespace
 {
   constexpr double a = 1., b = 2., p = 1e6;
@@ -73,7 +74,8 @@ TEST(Lame, TheForceOfAPressureIsThatOfItsArea)
 
 TEST(FiniteStrain, AnOedometerFollowsTheLogarithmicLaw)
 {
-  // Law: held laterally, Cauchy stress is M ln(stretch): the area does not change, p = -M ln(1 - s), in steps or at once.
+  // Law: held laterally, Cauchy stress is M ln(stretch): the area does not change, p = -M ln(1 - s), in steps or at
+  // once.
   for (const unsigned int n_increments : {1u, 7u})
     {
       Oedometer oedometer(get_exact_parameters(Geometry::axisymmetric, Kinematics::finite), 2);

@@ -9,7 +9,8 @@ using dealii::Tensor;
 namespace
 {
   /** Moves the inner vertices of a coarse mesh, each in its own direction. */
-  template <int dim> void distort(dealii::Triangulation<dim> &triangulation, double size)
+  template <int dim>
+  void distort(dealii::Triangulation<dim> &triangulation, double size)
   {
     std::vector<bool> is_fixed(triangulation.n_vertices(), false);
     for (const auto &cell : triangulation.active_cell_iterators())
@@ -27,7 +28,8 @@ namespace
           }
   }
 
-  template <int dim> Mesh<dim> create_distorted_box(Geometry geometry)
+  template <int dim>
+  Mesh<dim> create_distorted_box(Geometry geometry)
   {
     MeshParameters parameters;
     parameters.n_cells = {{3, 3, 3}};
@@ -125,4 +127,31 @@ TEST(Patch, AxisymmetryStaysUniformWhereHoopAndRadialStretchAreEqual)
   for (const unsigned int degree : {1u, 2u})
     for (const Kinematics kinematics : {Kinematics::small, Kinematics::finite})
       expect_uniform<2>(Geometry::axisymmetric, kinematics, degree, gradient);
+}
+
+TEST(Tangent, OneCorrectionLeavesAResidualOfSecondOrder)
+{
+  // Law: with the consistent tangent (geometric part included) the residual after one correction falls with the square
+  // of the increment. The stress is half of Young's modulus, so that a missing geometric term leaves a first-order
+  // rest.
+  dealii::SymmetricTensor<2, 3> stress;
+  stress[0][0] = 0.5 * youngs_modulus;
+  stress[2][2] = -0.2 * youngs_modulus;
+  stress[0][2] = 0.1 * youngs_modulus;
+  const auto compute_rest = [&](double value) {
+    ElasticMaterial material(get_elastic_parameters(Kinematics::finite), MPI_COMM_SELF);
+    Mesh<2> mesh = create_distorted_box<2>(Geometry::plane_strain);
+    auto conditions = create_conditions(mesh, create_plane_gradient(1.));
+    for (BoundaryCondition &condition : conditions)
+      condition.profile = [linear = condition.profile](const dealii::Point<3> &x, double v) {
+        return linear(x, v) * (1. + x[0] - x[2]); // not uniform: the inside must move
+      };
+    ProblemParameters parameters = get_exact_parameters(Geometry::plane_strain, Kinematics::finite);
+    parameters.newton.max_evaluations = 1;
+    parameters.newton.tolerance = 1e-16;
+    QuasiStaticProblem<2> problem(std::move(mesh), conditions, parameters, material,
+                                  [&](const dealii::Point<3> &) { return stress; });
+    return problem.equilibrate(std::vector<double>(conditions.size(), value), true).residual;
+  };
+  EXPECT_NEAR(std::log2(compute_rest(2e-3) / compute_rest(1e-3)), 2., 0.05); // third-order rest
 }

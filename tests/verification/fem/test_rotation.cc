@@ -61,7 +61,8 @@ TEST(Rotation, OfAWholeSpecimenTurnsItsStressAndChangesNothingElse)
   const Tensor<2, 3> R = create_rotation(angle);
   for (const PointState &point : problem.compute_point_states())
     {
-      EXPECT_LT((point.stress - rotate(stress, R)).norm(), 1e-9 * stress.norm()); // Newton's 1e-12 of reactions, on E/stress
+      EXPECT_LT((point.stress - rotate(stress, R)).norm(),
+                1e-9 * stress.norm()); // Newton's 1e-12 of reactions, on E/stress
       EXPECT_LT(point.strain.norm(), 1e-11);
       EXPECT_LT((point.deformation - R).norm(), 1e-11);
     }

@@ -1,0 +1,155 @@
+#include "fem/checkpoint.h"
+#include "fem/hdf5_file.h"
+#include "fem/viscoelastic_material.h"
+#include "tests/support/fem_cases.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+using namespace fem_cases;
+
+namespace
+{
+  /** A folder of this test alone, the same on every rank. */
+  class Checkpoint : public ::testing::Test
+  {
+  protected:
+    void SetUp() override
+    {
+      if (dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
+        std::filesystem::create_directories(folder);
+      MPI_Barrier(MPI_COMM_WORLD);
+    }
+
+    void TearDown() override
+    {
+      MPI_Barrier(MPI_COMM_WORLD);
+      if (dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
+        std::filesystem::remove_all(folder);
+    }
+
+    const std::string folder = (std::filesystem::temp_directory_path() / "slowsand_test_checkpoint").string();
+    const std::string file = folder + "/checkpoint.h5";
+  };
+
+  /** Finite strains, a creeping material and carried secants: all kinds of state. */
+  struct CreepRun
+  {
+    explicit CreepRun(unsigned int n_cells = 2, MPI_Comm communicator = MPI_COMM_SELF)
+        : material(BurgersParameters(), communicator), problem(create_oedometer_mesh(n_cells, n_cells, communicator),
+                                                               get_oedometer_conditions(), get_parameters(), material),
+          stepping(problem, {get_load_stage(1e7, 3), get_creep_stage(1e4, 3.)}, {}, get_observer())
+    {}
+
+    static ProblemParameters get_parameters()
+    {
+      ProblemParameters parameters = get_exact_parameters(Geometry::axisymmetric, Kinematics::finite);
+      parameters.newton.tolerance = 1e-4;
+      return parameters;
+    }
+
+    StepObserver get_observer()
+    {
+      return {[this](const StepReport &report) {
+                history.push_back(report.boundaries.back().displacement[2]);
+                history.push_back(report.boundaries[1].force[2]);
+                history.push_back(report.residual);
+                history.push_back(report.evaluations);
+              },
+              {}};
+    }
+
+    std::vector<double> history;
+    ViscoelasticMaterial material;
+    QuasiStaticProblem<2> problem;
+    LoadStepping<2> stepping;
+  };
+
+  std::string get_error(const std::function<void()> &work)
+  {
+    try
+      {
+        work();
+      }
+    catch (const std::runtime_error &error)
+      {
+        return error.what();
+      }
+    return "";
+  }
+} // namespace
+
+TEST_F(Checkpoint, AResumedRunIsTheUninterruptedOneToTheLastBit)
+{
+  // Law: a checkpoint holds all that the future depends on, wherever it is taken.
+  for (const unsigned int n_before : {1u, 3u, 9u})
+    for (const MPI_Comm communicator : {MPI_COMM_SELF, MPI_COMM_WORLD})
+      {
+        CreepRun whole(2, communicator), first(2, communicator), second(2, communicator);
+        EXPECT_EQ(whole.stepping.run().status, StepStatus::ok);
+        for (unsigned int n = 0; n < n_before; ++n)
+          first.stepping.advance();
+        write_checkpoint(file, first.problem, first.stepping.get_progress());
+        second.stepping.set_progress(read_checkpoint(file, second.problem));
+        EXPECT_EQ(second.stepping.run().status, StepStatus::ok);
+        first.history.insert(first.history.end(), second.history.begin(), second.history.end());
+        EXPECT_EQ(first.history, whole.history);
+        EXPECT_EQ(second.problem.get_state().displacement, whole.problem.get_state().displacement);
+        EXPECT_EQ(second.problem.get_state().stress, whole.problem.get_state().stress);
+      }
+}
+
+TEST_F(Checkpoint, ForeignTruncatedAndWrongFilesAreNamed)
+{
+  // Law: what is no checkpoint of this problem is refused with file and dataset, and nothing is loaded.
+  CreepRun run;
+  run.stepping.advance();
+  write_checkpoint(file, run.problem, run.stepping.get_progress());
+  EXPECT_FALSE(std::filesystem::exists(file + ".tmp"));
+  EXPECT_NE(get_error([&] { read_checkpoint(folder + "/none.h5", run.problem); }).find("/none.h5: cannot be opened"),
+            std::string::npos);
+
+  CreepRun finer(3);
+  EXPECT_NE(
+      get_error([&] {
+        read_checkpoint(file, finer.problem);
+      }).find("checkpoint.h5: dataset /macro/mesh: written for another mesh: number of cells 4, this problem has 9"),
+      std::string::npos);
+
+  MPI_Barrier(MPI_COMM_WORLD);
+  const bool is_first = dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0;
+  if (is_first)
+    {
+      Hdf5File foreign(folder + "/foreign.h5", Hdf5File::Mode::create);
+      foreign.write("/something", {1.}, "m");
+      foreign.close();
+      std::filesystem::resize_file(file, std::filesystem::file_size(file) / 2);
+    }
+  MPI_Barrier(MPI_COMM_WORLD);
+  EXPECT_NE(get_error([&] {
+              read_checkpoint(folder + "/foreign.h5", run.problem);
+            }).find("foreign.h5: dataset /macro/format_version: missing"),
+            std::string::npos);
+  EXPECT_NE(get_error([&] { read_checkpoint(file, run.problem); }).find("checkpoint.h5: cannot be opened"),
+            std::string::npos);
+}
+
+TEST_F(Checkpoint, AFullDiskIsToldAndTheLastCheckpointStays)
+{
+  // Law: a checkpoint that cannot be written is an error with path and cause; the file of before is untouched.
+  if (!std::filesystem::exists("/dev/full"))
+    GTEST_SKIP();
+  CreepRun run;
+  run.stepping.advance();
+  write_checkpoint(file, run.problem, run.stepping.get_progress());
+  MPI_Barrier(MPI_COMM_WORLD);
+  if (dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
+    std::filesystem::create_symlink("/dev/full", file + ".tmp");
+  MPI_Barrier(MPI_COMM_WORLD);
+  run.stepping.advance();
+  const std::string error = get_error([&] { write_checkpoint(file, run.problem, run.stepping.get_progress()); });
+  EXPECT_NE(error.find("checkpoint.h5.tmp"), std::string::npos) << error;
+  CreepRun other;
+  EXPECT_EQ(read_checkpoint(file, other.problem).step, 1u);
+}
