@@ -1,0 +1,23 @@
+#pragma once
+
+#include "dem/laboratory.h"
+
+#include <string>
+
+namespace apps
+{
+  /** All that a resumed run of slowsand-rev needs beside its parameters. */
+  struct RevCheckpoint
+  {
+    dem::RevState state;
+    dem::LaboratoryPosition position;
+    std::uint64_t n_rows = 0; ///< of history.csv
+  };
+
+  /** Writes it as a snapshot with the position beside it, to a temporary name first, then renamed. Throws
+   *  std::runtime_error with path and cause; the earlier checkpoint stays valid. */
+  void write_rev_checkpoint(const std::string &file, const dem::Rev &rev, const RevCheckpoint &checkpoint);
+
+  /** Throws std::runtime_error naming file and dataset. */
+  RevCheckpoint read_rev_checkpoint(const std::string &file);
+} // namespace apps

@@ -1,0 +1,210 @@
+#include "apps/rev_run.h"
+
+#include "apps/history_file.h"
+#include "apps/progress.h"
+#include "apps/rev_checkpoint.h"
+
+#include "dem/packing_file.h"
+#include "dem/snapshot.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <iostream>
+#include <memory>
+
+namespace apps
+{
+  namespace
+  {
+    using Clock = std::chrono::steady_clock;
+
+    double measure_seconds_since(const Clock::time_point start)
+    {
+      return std::chrono::duration<double>(Clock::now() - start).count();
+    }
+
+    std::vector<std::string> name_columns()
+    {
+      std::vector<std::string> columns = {"time_s", "stage", "kind", "cycles"};
+      for (const auto &names : {name_tensor_columns("strain", ""), name_tensor_columns("stress", "_Pa")})
+        columns.insert(columns.end(), names.begin(), names.end());
+      for (const char *name : {"void_ratio", "void_ratio_with_fines", "grains", "broken_instant", "broken_delayed",
+                               "coordination", "unbalanced_ratio"})
+        columns.push_back(name);
+      return columns;
+    }
+
+    /** The row that people read: compression-positive, stages counted from 1. */
+    HistoryRow make_row(const dem::Observation &observation)
+    {
+      HistoryRow row;
+      row.add(observation.time).add(observation.stage + 1).add(dem::describe(observation.kind));
+      row.add(observation.counters.cycles);
+      for (const dem::Matrix &tensor : {observation.strain, observation.stress})
+        for (const auto &index : dem::tangent_index)
+          row.add(-tensor(index[0], index[1]) + 0.); // no negative zero in a table
+      row.add(observation.void_ratio).add(observation.void_ratio_with_fines).add(observation.n_grains);
+      row.add(observation.counters.broken_instant).add(observation.counters.broken_delayed);
+      return row.add(observation.coordination).add(observation.unbalanced_ratio);
+    }
+
+    /** The packing asked for, at the pressure asked for. */
+    dem::RevState make_packing(const RevCase &rev_case, Progress &progress, Summary &summary)
+    {
+      const RevParameters &parameters = rev_case.rev;
+      if (!parameters.packing_file.empty())
+        return as_bad_input([&] { return dem::read_packing(parameters.packing_file); });
+      progress.say(fmt::format("packing of {} grains: looking for the friction that gives e = {}",
+                               parameters.packing.n_grains, parameters.packing.void_ratio));
+      const dem::Packing packing =
+          dem::generate_packing(parameters.packing, parameters.model.material, parameters.model.dynamics);
+      const dem::PackingReport &report = packing.report;
+      progress.say(fmt::format("packing: e = {:.4f} at {:.4g} Pa with friction {:.4f}, {} tried, {} cycles",
+                               report.void_ratio, parameters.packing.pressure, report.friction, report.n_tried,
+                               report.n_cycles));
+      summary.figures["packing void ratio [-]"] = report.void_ratio;
+      summary.figures["packing friction [-]"] = report.friction;
+      if (report.status != dem::RestStatus::at_rest)
+        throw std::runtime_error(fmt::format("the packing found no equilibrium: {}", dem::describe(report.status)));
+      if (!report.is_found && parameters.packing.friction < 0.)
+        throw std::runtime_error(
+            fmt::format("no friction gives a void ratio of {} within {}: the nearest found is {:.4f}; try more grains, "
+                        "another Seed, or a wider Packing/Void ratio tolerance",
+                        parameters.packing.void_ratio, parameters.packing.tolerance, report.void_ratio));
+      return packing.state;
+    }
+
+    /** One run: what its observers write to. */
+    class Run
+    {
+    public:
+      Run(const RevCase &rev_case, const CommandLine &line)
+          : case_(rev_case), folder_(line), progress_(!line.is_quiet), last_checkpoint_(Clock::now())
+      {
+        folder_.check();
+        summary_.seed = rev_case.rev.seed;
+        line.is_resumed ? resume() : start();
+      }
+
+      int run()
+      {
+        const Clock::time_point begin = Clock::now();
+        dem::LaboratoryObserver observer;
+        observer.observe = [this](const dem::Observation &observation) { record(observation); };
+        observer.committed = [this](const dem::LaboratoryPosition &, const double fraction) {
+          return advance(fraction);
+        };
+        observer.stage_edge = [this](const std::size_t stage, const bool is_end) { cross_edge(stage, is_end); };
+        const dem::LaboratoryOutcome outcome =
+            dem::run_programme(*rev_, case_.stages, case_.laboratory, observer, position_);
+        summary_.wall_s["programme"] = measure_seconds_since(begin);
+        return finish(outcome);
+      }
+
+    private:
+      void start()
+      {
+        const Clock::time_point begin = Clock::now();
+        const dem::RevState packing = make_packing(case_, progress_, summary_);
+        summary_.wall_s["packing"] = measure_seconds_since(begin);
+        rev_ = std::make_unique<dem::Rev>(dem::make_rev(case_.rev.model, packing));
+        folder_.prepare(case_.parameters);
+        history_ = std::make_unique<HistoryFile>(folder_.get_file("history.csv"), name_columns());
+        write_snapshot("initial");
+      }
+
+      void resume()
+      {
+        const RevCheckpoint checkpoint =
+            as_bad_input([&] { return read_rev_checkpoint(folder_.get_file("checkpoint.h5")); });
+        position_ = checkpoint.position;
+        n_rows_ = checkpoint.n_rows;
+        rev_ = std::make_unique<dem::Rev>(case_.rev.model, checkpoint.state);
+        folder_.prepare(case_.parameters);
+        std::uint64_t row = 0;
+        history_ =
+            std::make_unique<HistoryFile>(folder_.get_file("history.csv"), name_columns(),
+                                          [&](const std::vector<std::string> &) { return row++ < checkpoint.n_rows; });
+        progress_.say(fmt::format("resumed at {:.4g} s in stage {}", checkpoint.state.time, position_.stage + 1));
+      }
+
+      void record(const dem::Observation &observation)
+      {
+        history_->write(make_row(observation));
+        ++n_rows_;
+      }
+
+      bool advance(const double fraction)
+      {
+        const dem::RevState &state = rev_->get_committed();
+        progress_.show(fmt::format("{}: {:.4g} s, axial stress {:.4g} MPa, {} grains broken",
+                                   case_.stages[position_.stage].name, state.time, -state.stress(2, 2) / 1e6,
+                                   state.counters.broken_instant + state.counters.broken_delayed),
+                       fraction);
+        if (measure_seconds_since(last_checkpoint_) > case_.checkpoint_interval)
+          write_checkpoint();
+        return false;
+      }
+
+      void cross_edge(const std::size_t stage, const bool is_end)
+      {
+        if (!is_end)
+          return progress_.say(
+              fmt::format("stage {} of {}: {}", stage + 1, case_.stages.size(), case_.stages[stage].name));
+        if (rev_->get_committed().counters.cycles > 0)
+          write_snapshot(fmt::format("stage_{}", stage + 1));
+      }
+
+      void write_snapshot(const std::string &name)
+      {
+        const dem::RevState &state = rev_->get_committed();
+        dem::write_snapshot(folder_.get_snapshot_file(name), state, dem::list_contacts(state, rev_->get_law()),
+                            {case_.rev.seed, 0});
+      }
+
+      void write_checkpoint()
+      {
+        write_rev_checkpoint(folder_.get_file("checkpoint.h5"), *rev_, {rev_->get_committed(), position_, n_rows_});
+        last_checkpoint_ = Clock::now();
+      }
+
+      int finish(const dem::LaboratoryOutcome outcome)
+      {
+        const dem::RevState &state = rev_->get_committed();
+        write_checkpoint();
+        const bool is_finished = outcome == dem::LaboratoryOutcome::finished;
+        summary_.status = dem::describe(outcome);
+        summary_.grains = state.grains.size();
+        summary_.cycles = state.counters.cycles;
+        summary_.broken_instant = state.counters.broken_instant;
+        summary_.broken_delayed = state.counters.broken_delayed;
+        folder_.write_summary(summary_);
+        progress_.say(fmt::format("{}: {} grains, {} broken at once and {} with delay, {} cycles; {}", summary_.status,
+                                  state.grains.size(), state.counters.broken_instant, state.counters.broken_delayed,
+                                  state.counters.cycles, folder_.get_path()));
+        if (!is_finished)
+          std::cerr << fmt::format("slowsand-rev: stage {} ({}), {:.6g} s: {}. The last state at rest is in {}; change "
+                                   "a parameter with --set and go on with --resume {}\n",
+                                   position_.stage + 1, case_.stages[position_.stage].name, state.time, summary_.status,
+                                   folder_.get_file("checkpoint.h5"), folder_.get_path());
+        return is_finished ? 0 : 1;
+      }
+
+      const RevCase &case_;
+      RunFolder folder_;
+      Progress progress_;
+      Summary summary_;
+      dem::LaboratoryPosition position_;
+      std::unique_ptr<dem::Rev> rev_;
+      std::unique_ptr<HistoryFile> history_;
+      std::uint64_t n_rows_ = 0;
+      Clock::time_point last_checkpoint_;
+    };
+  } // namespace
+
+  int run_rev(const RevCase &rev_case, const CommandLine &line)
+  {
+    return Run(rev_case, line).run();
+  }
+} // namespace apps
