@@ -120,6 +120,13 @@ namespace apps
     declare(name, member, text, [&member](const std::string &value) { member = value; });
   }
 
+  void ParameterBinder::bind_fixed(const std::string &name, const unsigned int value, const Range &range,
+                                   const std::string &text)
+  {
+    declare(name, std::to_string(value), text + " Range: integer " + range.describe() + ".",
+            [range](const std::string &given) { parse_number(given, range, true); });
+  }
+
   void ParameterBinder::bind_list(const std::string &name, std::vector<double> &member, const std::size_t n,
                                   const std::string &text)
   {

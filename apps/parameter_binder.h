@@ -55,6 +55,11 @@ namespace apps
     template <std::unsigned_integral Integer>
     void bind(const std::string &name, Integer &member, const Range &range, const std::string &text);
 
+    /** A number that was needed before and is known by now: it is declared, and checked again, for the sake of
+     * printing.
+     */
+    void bind_fixed(const std::string &name, unsigned int value, const Range &range, const std::string &text);
+
     /** A word that stands for a value. */
     template <typename Value>
     void bind_choice(const std::string &name, Value &member, const std::vector<std::pair<std::string, Value>> &choices,

@@ -1,0 +1,66 @@
+#pragma once
+
+#include "apps/rev_parameters.h"
+
+#include "coupling/rev_material.h"
+
+#include "fem/elastic_material.h"
+#include "fem/load_stepping.h"
+#include "fem/viscoelastic_material.h"
+
+#include <string>
+#include <vector>
+
+namespace apps
+{
+  enum class MaterialKind
+  {
+    rev,
+    elastic,
+    viscoelastic
+  };
+
+  /** A place whose stress and strain are written at every step. */
+  struct Probe
+  {
+    std::string name;
+    dealii::Point<3> position; ///< initial [m]; the nearest Gauss point answers
+  };
+
+  struct BvpOutput
+  {
+    unsigned int checkpoint_interval = 20; ///< committed steps between checkpoints
+    bool writes_fields = true;
+    bool writes_snapshots = true;
+    std::string probes_text; ///< "NAME: x, y, z; ..."; empty: every Gauss point if there are at most 64
+    std::vector<Probe> probes;
+  };
+
+  /** A boundary-value problem as its parameter file tells it. */
+  struct BvpCase
+  {
+    MaterialKind material = MaterialKind::rev;
+    fem::MeshParameters mesh;
+    fem::ProblemParameters problem;
+    bool is_distributed = false; ///< the mesh is spread over the ranks instead of being on each of them
+    dealii::SymmetricTensor<2, 3> initial_stress; ///< [Pa], tension-positive
+    std::vector<fem::BoundaryCondition> conditions;
+    std::vector<fem::Stage> stages;
+    fem::SteppingParameters stepping;
+    RevParameters rev;
+    coupling::RevMaterialParameters rev_material;
+    fem::ElasticParameters elastic;
+    fem::BurgersParameters burgers;
+    BvpOutput output;
+  };
+
+  /**
+   * Reads a case. Throws BadInput naming file, line, parameter, value and allowed range.
+   *
+   * @param binder  holds all parameters afterwards, for printing; it refers to `bvp`
+   */
+  void read_bvp_case(const ParameterFile &file, ParameterBinder &binder, BvpCase &bvp);
+
+  /** What only the mesh can tell: that it can be made, and that each condition's boundary is there. Throws BadInput. */
+  void check_bvp_case(const BvpCase &bvp);
+} // namespace apps

@@ -1,0 +1,235 @@
+#include "apps/bvp_run.h"
+
+#include "fem/checkpoint.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <iostream>
+
+namespace apps
+{
+  namespace
+  {
+    double measure_seconds_since(const std::chrono::steady_clock::time_point start)
+    {
+      return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    }
+
+    bool is_first_rank()
+    {
+      return dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0;
+    }
+  } // namespace
+
+  template <int dim>
+  BvpRun<dim>::BvpRun(const BvpCase &bvp, const CommandLine &line, const RunFolder &folder)
+      : bvp_(bvp), line_(line), folder_(folder), is_first_rank_(is_first_rank()),
+        progress_(is_first_rank_ && !line.is_quiet)
+  {
+    MPI_Comm macro = bvp.is_distributed ? MPI_COMM_WORLD : MPI_COMM_SELF;
+    progress_.say(line.is_resumed ? "reading the checkpoint" : "preparing the Gauss points");
+    make_material(folder);
+    const auto stress = [&](const dealii::Point<3> &) { return bvp_.initial_stress; };
+    problem_ = as_bad_input([&]() {
+      return std::make_unique<fem::QuasiStaticProblem<dim>>(
+          fem::create_mesh<dim>(bvp.mesh, bvp.problem.geometry, macro), bvp.conditions, bvp.problem, *material_,
+          stress);
+    });
+    fem::StepObserver observer;
+    observer.on_commit = [this](const fem::StepReport &report) { record(report); };
+    observer.on_cut = [this](const fem::CutReport &report) { record_cut(report); };
+    stepping_ = std::make_unique<fem::LoadStepping<dim>>(*problem_, bvp.stages, bvp.stepping, observer);
+    if (line.is_resumed)
+      resume();
+    if (bvp.output.writes_fields)
+      fields_ = std::make_unique<fem::FieldOutput>(folder.get_path(), "fields",
+                                                   line.is_resumed ? stepping_->get_progress().time : -1.);
+    open_history();
+  }
+
+  template <int dim>
+  void BvpRun<dim>::make_material(const RunFolder &folder)
+  {
+    MPI_Comm macro = bvp_.is_distributed ? MPI_COMM_WORLD : MPI_COMM_SELF;
+    if (bvp_.material == MaterialKind::elastic)
+      material_ = std::make_unique<fem::ElasticMaterial>(bvp_.elastic, macro);
+    else if (bvp_.material == MaterialKind::viscoelastic)
+      material_ = std::make_unique<fem::ViscoelasticMaterial>(bvp_.burgers, macro);
+    else
+      {
+        coupling::RevMaterialParameters parameters = bvp_.rev_material;
+        parameters.failure_folder = folder.get_file("failures");
+        parameters.is_resumed = line_.is_resumed;
+        auto material = std::make_unique<coupling::RevMaterial>(
+            parameters, coupling::RevPool(MPI_COMM_WORLD, !bvp_.is_distributed, line_.n_threads));
+        rev_material_ = material.get();
+        material_ = std::move(material);
+      }
+  }
+
+  template <int dim>
+  void BvpRun<dim>::resume()
+  {
+    const std::string file = folder_.get_file("checkpoint.h5");
+    const fem::Progress progress = as_bad_input([&]() { return fem::read_checkpoint(file, *problem_); });
+    if (progress.stage_values.size() != bvp_.conditions.size())
+      throw BadInput(fmt::format("{}: written with {} boundary conditions, the parameters name {}", file,
+                                 progress.stage_values.size(), bvp_.conditions.size()));
+    stepping_->set_progress(progress);
+  }
+
+  template <int dim>
+  void BvpRun<dim>::open_history()
+  {
+    const auto probes = compute_probe_states(*problem_, bvp_.output);
+    const auto columns = name_bvp_columns(problem_->compute_boundary_responses(), probes);
+    if (!is_first_rank_)
+      return;
+    const std::string file = folder_.get_file("history.csv");
+    const unsigned int last_step = stepping_->get_progress().step;
+    if (line_.is_resumed)
+      history_ = std::make_unique<HistoryFile>(file, columns, [&](const std::vector<std::string> &row) {
+        return std::strtoul(row[2].c_str(), nullptr, 10) <= last_step; // the column "step"
+      });
+    else
+      history_ = std::make_unique<HistoryFile>(file, columns);
+  }
+
+  template <int dim>
+  int BvpRun<dim>::run()
+  {
+    if (!line_.is_resumed)
+      {
+        write_initial_row();
+        write_stage_snapshots(0);
+        fem::write_checkpoint(folder_.get_file("checkpoint.h5"), *problem_, stepping_->get_progress());
+      }
+    write_summary("running");
+    const fem::RunResult result = stepping_->run();
+    write_snapshots("end");
+    const bool is_finished = result.status == fem::StepStatus::ok;
+    write_summary(is_finished ? "finished" : result.message);
+    if (!is_finished && is_first_rank_)
+      std::cerr << "slowsand-bvp: " + result.message + "\n" << std::flush;
+    return is_finished ? 0 : 1;
+  }
+
+  template <int dim>
+  void BvpRun<dim>::write_initial_row()
+  {
+    fem::StepReport report;
+    report.stage = -1u; // shown as 0: before the first stage
+    report.boundaries = problem_->compute_boundary_responses();
+    for (fem::BoundaryResponse &boundary : report.boundaries) // unknown before the first equilibrium
+      for (int axis = 0; axis < 3; ++axis)
+        boundary.force[axis] = std::numeric_limits<double>::quiet_NaN();
+    const auto probes = compute_probe_states(*problem_, bvp_.output);
+    if (history_)
+      history_->write(
+          make_bvp_row(report, rev_material_ ? rev_material_->compute_totals() : coupling::RevTotals{}, probes));
+    if (fields_)
+      fields_->write(*problem_, 0.);
+  }
+
+  template <int dim>
+  void BvpRun<dim>::record(const fem::StepReport &report)
+  {
+    const coupling::RevTotals totals = rev_material_ ? rev_material_->compute_totals() : coupling::RevTotals{};
+    const auto probes = compute_probe_states(*problem_, bvp_.output);
+    if (history_)
+      history_->write(make_bvp_row(report, totals, probes));
+    if (fields_ && report.is_output)
+      fields_->write(*problem_, report.time);
+    if (report.is_stage_end)
+      write_stage_snapshots(report.stage + 1);
+    if (report.is_stage_end || report.step % bvp_.output.checkpoint_interval == 0)
+      fem::write_checkpoint(folder_.get_file("checkpoint.h5"), *problem_, stepping_->get_progress());
+
+    if (bvp_.stages[report.stage].kind == fem::StageKind::creep)
+      {
+        ++tally_.creep_steps;
+        tally_.creep_evaluations += report.evaluations;
+      }
+    tally_.avalanche_rounds += report.avalanche_rounds;
+    tally_.avalanche_evaluations += report.avalanche_evaluations;
+    tally_.largest_residual_share = std::max(tally_.largest_residual_share, report.residual / report.reaction_norm);
+    progress_.show(fmt::format("{}, step {}, {:.3g} s, {} grains broken", report.stage_name, report.step, report.time,
+                               totals.broken_instant + totals.broken_delayed),
+                   compute_share_done(report));
+  }
+
+  template <int dim>
+  void BvpRun<dim>::record_cut(const fem::CutReport &report)
+  {
+    ++tally_.cuts;
+    tally_.lost_evaluations += report.evaluations;
+  }
+
+  // Stages count alike; a creep stage is done in proportion to the logarithm of its time.
+  template <int dim>
+  double BvpRun<dim>::compute_share_done(const fem::StepReport &report) const
+  {
+    const fem::Stage &stage = bvp_.stages[report.stage];
+    const fem::Progress &at = stepping_->get_progress();
+    const double position = report.is_stage_end ? fem::compute_stage_length(stage) : at.position;
+    double share = position / fem::compute_stage_length(stage);
+    if (stage.kind == fem::StageKind::creep)
+      share = std::log1p(position / stage.first_output) / std::log1p(stage.duration / stage.first_output);
+    return (report.stage + share) / static_cast<double>(bvp_.stages.size());
+  }
+
+  template <int dim>
+  void BvpRun<dim>::write_stage_snapshots(const unsigned int stage) const
+  {
+    if (stage < bvp_.stages.size() && bvp_.stages[stage].kind == fem::StageKind::creep)
+      write_snapshots("start");
+  }
+
+  template <int dim>
+  void BvpRun<dim>::write_snapshots(const std::string &suffix) const
+  {
+    if (rev_material_ && bvp_.output.writes_snapshots)
+      rev_material_->write_snapshots(folder_.get_file("snapshots/point"), suffix);
+  }
+
+  template <int dim>
+  void BvpRun<dim>::write_summary(const std::string &status) const
+  {
+    if (!is_first_rank_)
+      return;
+    Summary summary;
+    summary.status = status;
+    summary.seed = bvp_.rev.seed;
+    summary.n_ranks = dealii::Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD);
+    summary.n_threads = line_.n_threads;
+    const double total = measure_seconds_since(start_);
+    summary.wall_s["total"] = total;
+    if (rev_material_)
+      {
+        const coupling::RevTotals totals = rev_material_->compute_totals();
+        const coupling::RevPool &pool = rev_material_->get_pool();
+        summary.grains = totals.grains;
+        summary.cycles = totals.cycles;
+        summary.broken_instant = totals.broken_instant;
+        summary.broken_delayed = totals.broken_delayed;
+        summary.wall_s["inside REVs"] = pool.get_working_time();
+        summary.wall_s["waiting for other ranks' REVs"] = pool.get_total_time() - pool.get_working_time();
+        summary.wall_s["outside REVs"] = total - pool.get_total_time();
+        summary.figures["share of wall time outside REVs [-]"] = 1. - pool.get_total_time() / total;
+      }
+    summary.figures["creep steps"] = tally_.creep_steps;
+    if (tally_.creep_steps > 0)
+      summary.figures["REV evaluations a point and creep step"] =
+          static_cast<double>(tally_.creep_evaluations) / tally_.creep_steps;
+    summary.figures["avalanche rounds"] = tally_.avalanche_rounds;
+    summary.figures["avalanche evaluations"] = tally_.avalanche_evaluations;
+    summary.figures["steps taken back"] = tally_.cuts;
+    summary.figures["evaluations lost with them"] = tally_.lost_evaluations;
+    summary.figures["largest residual over reaction [-]"] = tally_.largest_residual_share;
+    folder_.write_summary(summary);
+  }
+
+  template class BvpRun<2>;
+  template class BvpRun<3>;
+} // namespace apps

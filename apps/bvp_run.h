@@ -1,0 +1,63 @@
+#pragma once
+
+#include "apps/bvp_case.h"
+#include "apps/bvp_history.h"
+#include "apps/command_line.h"
+#include "apps/progress.h"
+#include "apps/run_folder.h"
+
+#include "fem/field_output.h"
+
+#include <chrono>
+#include <memory>
+
+namespace apps
+{
+  /** A boundary-value problem from its first consolidation to its last file. */
+  template <int dim>
+  class BvpRun
+  {
+  public:
+    /** Makes material, mesh and problem, and where the run is resumed brings them to its checkpoint. Throws BadInput.
+     */
+    BvpRun(const BvpCase &bvp, const CommandLine &line, const RunFolder &folder);
+
+    /** Runs the loading programme. @return exit status */
+    int run();
+
+  private:
+    /** What the summary tells of Newton's work. */
+    struct Tally
+    {
+      unsigned int creep_steps = 0, creep_evaluations = 0;
+      unsigned int avalanche_rounds = 0, avalanche_evaluations = 0;
+      unsigned int cuts = 0, lost_evaluations = 0;
+      double largest_residual_share = 0.;
+    };
+
+    void make_material(const RunFolder &folder);
+    void resume();
+    void open_history();
+    void record(const fem::StepReport &report);
+    void record_cut(const fem::CutReport &report);
+    void write_initial_row();
+    void write_stage_snapshots(unsigned int stage) const;
+    void write_snapshots(const std::string &suffix) const;
+    void write_summary(const std::string &status) const;
+    double compute_share_done(const fem::StepReport &report) const;
+
+    const BvpCase &bvp_;
+    const CommandLine &line_;
+    const RunFolder &folder_;
+    const bool is_first_rank_;
+    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+    Progress progress_;
+    std::unique_ptr<fem::ConstitutiveModel> material_;
+    coupling::RevMaterial *rev_material_ = nullptr; ///< the same, if its answers come from REVs
+    std::unique_ptr<fem::QuasiStaticProblem<dim>> problem_;
+    std::unique_ptr<fem::LoadStepping<dim>> stepping_;
+    std::unique_ptr<HistoryFile> history_; ///< on the first rank
+    std::unique_ptr<fem::FieldOutput> fields_;
+    Tally tally_;
+  };
+} // namespace apps

@@ -1,0 +1,163 @@
+#include "apps/stage_parameters.h"
+
+#include <fmt/format.h>
+
+#include <sstream>
+
+namespace apps
+{
+  namespace
+  {
+    const std::vector<std::pair<std::string, fem::ConditionKind>> condition_kinds = {
+        {"displacement", fem::ConditionKind::displacement},
+        {"traction", fem::ConditionKind::traction},
+        {"pressure", fem::ConditionKind::pressure}};
+
+    /** Reads how many subsections there are before they can be declared. */
+    unsigned int read_number(const ParameterFile &file, const std::string &section, const std::string &name,
+                             unsigned int &number)
+    {
+      ParameterBinder counter;
+      counter.enter(section);
+      counter.bind(name, number, {1., 1000.}, "");
+      const std::string path = section + "/" + name;
+      if (const auto given = file.find(path))
+        {
+          ParameterFile only;
+          only.override_with(path + "=" + *given);
+          try
+            {
+              counter.read(only);
+            }
+          catch (const BadInput &)
+            {
+              throw BadInput(fmt::format("{}: parameter '{}' = '{}' is not allowed; allowed: integer >= 1 and <= 1000",
+                                         file.locate(path), path, *given));
+            }
+        }
+      return number;
+    }
+
+    void bind_condition(ParameterBinder &binder, fem::BoundaryCondition &condition)
+    {
+      binder.bind("Boundary", condition.boundary, "Name of a boundary of the mesh. Units: none.");
+      binder.bind_choice("Kind", condition.kind, condition_kinds,
+                         "displacement: total, of one component; traction: one component, along the axis; pressure: "
+                         "pushes on the body, normal to it. Units: none.");
+      binder.bind_choice<std::string>("Component", condition.component,
+                                      {{"none", ""}, {"x", "x"}, {"y", "y"}, {"z", "z"}, {"r", "r"}},
+                                      "Of a displacement or traction; r is x in axisymmetry. Units: none.");
+      binder.bind("Value", condition.initial_value, any_number, "Before the first stage. Units: [m] or [Pa].");
+      binder.bind_choice<fem::AreaMeasure>(
+          "Area", condition.area, {{"current", fem::AreaMeasure::current}, {"initial", fem::AreaMeasure::initial}},
+          "That a traction or pressure is measured on. Units: none.");
+    }
+
+    void bind_stage(ParameterBinder &binder, fem::Stage &stage, std::string &targets)
+    {
+      binder.bind("Name", stage.name, "For people. Units: none.");
+      binder.bind_choice<fem::StageKind>("Kind", stage.kind,
+                                         {{"load", fem::StageKind::load}, {"creep", fem::StageKind::creep}},
+                                         "load: conditions go to their targets; creep: they are held. Units: none.");
+      binder.bind("Duration", stage.duration, non_negative, "0: a load without time. Units: [s].");
+      binder.bind("Increments", stage.n_increments, {1., 1e6}, "Of a load. Units: [-].");
+      binder.bind_choice<fem::Spacing>("Spacing", stage.spacing,
+                                       {{"linear", fem::Spacing::linear}, {"geometric", fem::Spacing::geometric}},
+                                       "Of a load's increments. Units: none.");
+      binder.bind("Targets", targets,
+                  "Of a load, 'BOUNDARY KIND [COMPONENT]: VALUE; ...' such as 'top pressure: 21.7e6'. Units: [m] or "
+                  "[Pa].");
+      binder.bind("First output", stage.first_output, positive, "Of a creep, since its start. Units: [s].");
+      binder.bind("Outputs per decade", stage.outputs_per_decade, non_negative,
+                  "Of a creep; 0: at its end. Units: [-].");
+      binder.bind("Steps per decade", stage.steps_per_decade, non_negative,
+                  "Of a creep; 0: events and outputs alone. Units: [-].");
+    }
+
+    fem::Target parse_target(const ParameterBinder &binder, const std::string &path, const std::string &text)
+    {
+      const std::string allowed =
+          fmt::format("holds '{}'; allowed: 'BOUNDARY displacement|traction|pressure [COMPONENT]: VALUE; ...'", text);
+      fem::Target target;
+      std::string kind;
+      const auto colon = text.find(':');
+      std::istringstream words(text.substr(0, colon));
+      std::istringstream number(colon == std::string::npos ? "" : text.substr(colon + 1));
+      words >> target.boundary >> kind >> target.component;
+      number >> target.value;
+      bool is_known = false;
+      for (const auto &[word, value] : condition_kinds)
+        if (word == kind)
+          {
+            target.kind = value;
+            is_known = true;
+          }
+      if (!number || !(number >> std::ws).eof() || !is_known)
+        binder.reject(path, allowed);
+      return target;
+    }
+  } // namespace
+
+  void bind_conditions(const ParameterFile &file, ParameterBinder &binder,
+                       std::vector<fem::BoundaryCondition> &conditions)
+  {
+    static constexpr const char *section = "Boundary conditions", *name = "Number of conditions";
+    unsigned int number = 1;
+    conditions.resize(read_number(file, section, name, number));
+    binder.enter(section);
+    binder.bind_fixed(name, number, {1., 1000.}, "Sections 'Condition 1' and so on. Units: [-].");
+    for (std::size_t i = 0; i < conditions.size(); ++i)
+      {
+        conditions[i].boundary = "bottom";
+        conditions[i].component = "z";
+        binder.enter(fmt::format("Condition {}", i + 1));
+        bind_condition(binder, conditions[i]);
+        binder.leave();
+      }
+    binder.leave();
+  }
+
+  void bind_stages(const ParameterFile &file, ParameterBinder &binder, std::vector<fem::Stage> &stages,
+                   StageTexts &texts)
+  {
+    static constexpr const char *section = "Loading", *name = "Number of stages";
+    unsigned int number = 1;
+    stages.resize(read_number(file, section, name, number));
+    texts.targets.resize(number);
+    binder.enter(section);
+    binder.bind_fixed(name, number, {1., 1000.}, "Sections 'Stage 1' and so on, one after another. Units: [-].");
+    for (std::size_t i = 0; i < stages.size(); ++i)
+      {
+        stages[i].name = fmt::format("stage {}", i + 1);
+        binder.enter(fmt::format("Stage {}", i + 1));
+        bind_stage(binder, stages[i], texts.targets[i]);
+        binder.leave();
+      }
+    binder.leave();
+  }
+
+  void complete_stages(const ParameterBinder &binder, const StageTexts &texts,
+                       const std::vector<fem::BoundaryCondition> &conditions, std::vector<fem::Stage> &stages)
+  {
+    for (std::size_t i = 0; i < stages.size(); ++i)
+      {
+        const std::string path = fmt::format("Loading/Stage {}/", i + 1);
+        std::string part;
+        for (std::istringstream stream(texts.targets[i]); std::getline(stream, part, ';');)
+          if (part.find_first_not_of(" \t") != std::string::npos)
+            stages[i].targets.push_back(parse_target(binder, path + "Targets", part));
+        if (stages[i].kind == fem::StageKind::creep && !(stages[i].duration > 0.))
+          binder.reject(path + "Duration", "must be > 0 in a creep stage");
+        if (stages[i].kind == fem::StageKind::creep && !stages[i].targets.empty())
+          binder.reject(path + "Targets", "contradicts the stage's kind: creep holds all conditions");
+        try
+          {
+            fem::resolve_targets(conditions, {stages.begin(), stages.begin() + static_cast<long>(i) + 1});
+          }
+        catch (const std::invalid_argument &error)
+          {
+            binder.reject(path + "Targets", fmt::format("is not allowed: {}", std::string(error.what())));
+          }
+      }
+  }
+} // namespace apps
