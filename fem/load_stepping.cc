@@ -107,14 +107,18 @@ namespace fem
     if (stage.duration > 0.)
       {
         const double to_event = material_.compute_time_to_next_event(progress_.n_event_cuts);
-        length = std::min(length, progress_.step_share * std::max(to_event, 0.));
+        step.is_event_limited = progress_.step_share * to_event < length;
+        if (step.is_event_limited)
+          length = progress_.step_share * std::max(to_event, 0.);
       }
-    // What is left of an increment after cuts and events may differ from a step by rounding alone.
     const double remaining = milestone - progress_.position;
     Advance &advance = step.advance;
+    // What is left of an increment after cuts and events may differ from a step by rounding alone.
     advance.ends_increment = length >= remaining * (1. - 1e-12);
     advance.end_position = advance.ends_increment ? milestone : progress_.position + length;
-    advance.dt = stage.duration > 0. ? advance.end_position - progress_.position : 0.;
+    // The length itself, not a difference of positions: an event must be reached to the last bit of its own time.
+    if (stage.duration > 0.)
+      advance.dt = advance.ends_increment ? remaining : length;
     step.accept_excess = !can_halve_load() && !can_cut_events(step.advance.dt);
     for (std::size_t i = 0; i < progress_.stage_values.size(); ++i)
       step.values.push_back(interpolate(stage, progress_.stage_values[i], end_values_[progress_.stage][i],
@@ -153,12 +157,8 @@ namespace fem
       return false;
     progress_.n_successes = 0;
     const bool is_load = stages_[progress_.stage].kind == StageKind::load;
-    if (!is_load && can_cut_events(step.advance.dt))
-      {
-        ++progress_.n_event_cuts;
-        return true;
-      }
-    if (status == StepStatus::excessive && !can_halve_load())
+    const bool is_for_batch = status == StepStatus::excessive ? !can_halve_load() : !is_load && step.is_event_limited;
+    if (is_for_batch && can_cut_events(step.advance.dt))
       {
         ++progress_.n_event_cuts;
         return true;

@@ -50,8 +50,9 @@ namespace fem
     struct Step
     {
       Advance advance;
-      std::vector<double> values; ///< of the conditions at its end
-      bool accept_excess = false; ///< it cannot be cut further
+      std::vector<double> values;    ///< of the conditions at its end
+      bool is_event_limited = false; ///< it ends at the material's next event
+      bool accept_excess = false;    ///< it cannot be cut further
     };
 
     /** What a tried step came to. */

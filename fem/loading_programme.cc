@@ -152,10 +152,11 @@ namespace fem
                        Progress &progress)
   {
     ++progress.step;
+    const bool is_idle = stage.duration > 0. && advance.end_position == progress.position;
     progress.position = advance.end_position;
     if (stage.duration > 0.)
       progress.time = progress.stage_start + progress.position;
-    progress.n_idle_steps = stage.duration > 0. && advance.dt == 0. ? progress.n_idle_steps + 1 : 0;
+    progress.n_idle_steps = is_idle ? progress.n_idle_steps + 1 : 0;
     if (++progress.n_successes >= 2)
       {
         progress.step_share = std::min(1., 2. * progress.step_share);

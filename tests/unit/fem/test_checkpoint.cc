@@ -39,7 +39,7 @@ namespace
     explicit CreepRun(unsigned int n_cells = 2, MPI_Comm communicator = MPI_COMM_SELF)
         : material(BurgersParameters(), communicator), problem(create_oedometer_mesh(n_cells, n_cells, communicator),
                                                                get_oedometer_conditions(), get_parameters(), material),
-          stepping(problem, {get_load_stage(1e7, 3), get_creep_stage(1e4, 3.)}, {}, get_observer())
+          stepping(problem, {get_load_stage(1e7, 3), get_creep_stage(1e3, 2.)}, {}, get_observer())
     {}
 
     static ProblemParameters get_parameters()
@@ -83,7 +83,7 @@ namespace
 TEST_F(Checkpoint, AResumedRunIsTheUninterruptedOneToTheLastBit)
 {
   // Law: a checkpoint holds all that the future depends on, wherever it is taken.
-  for (const unsigned int n_before : {1u, 3u, 9u})
+  for (const unsigned int n_before : {2u, 6u})
     for (const MPI_Comm communicator : {MPI_COMM_SELF, MPI_COMM_WORLD})
       {
         CreepRun whole(2, communicator), first(2, communicator), second(2, communicator);

@@ -89,7 +89,9 @@ TEST(MeshInput, BadFilesAndNumbersAreNamed)
   // Law: what cannot be a mesh is refused with file or parameter, value and range.
   EXPECT_EQ(get_error(from_file("/nowhere/mesh.msh")), "/nowhere/mesh.msh: cannot be opened");
 
-  const auto folder = std::filesystem::temp_directory_path() / "slowsand_test_mesh_input";
+  const auto folder =
+      std::filesystem::temp_directory_path() /
+      ("slowsand_test_mesh_input_" + std::to_string(dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD)));
   std::filesystem::create_directories(folder);
   const std::string file = (folder / "bad.msh").string();
   std::ofstream(file) << "$PhysicalNames\n2\n1 1 \"top\"\nnonsense\n";
