@@ -16,15 +16,20 @@ namespace apps
       std::vector<double> strain = std::vector<double>(6, 0.);
     };
 
-    std::vector<dem::LaboratoryStage> make_default_stages(const unsigned int n)
+    /** Stages with every default; `is_example`: the two of the template, which make a whole run. */
+    std::vector<dem::LaboratoryStage> make_default_stages(const unsigned int n, const bool is_example)
     {
       std::vector<dem::LaboratoryStage> stages(n);
       for (unsigned int k = 0; k < n; ++k)
         {
           stages[k].name = fmt::format("stage {}", k + 1);
-          stages[k].kind = k == 1 ? dem::StageKind::creep : dem::StageKind::oedometric;
-          stages[k].stress = 21.7e6;
-          stages[k].duration = k == 1 ? 1e6 : 0.;
+        }
+      if (is_example)
+        {
+          stages[0].kind = dem::StageKind::oedometric;
+          stages[0].stress = 21.7e6;
+          stages[1].kind = dem::StageKind::creep;
+          stages[1].duration = 1e6;
         }
       return stages;
     }
@@ -109,8 +114,9 @@ namespace apps
   RevCase read_rev_case(const ParameterFile &file)
   {
     RevCase rev_case;
-    unsigned int n_stages = read_number_of_stages(file, 2);
-    rev_case.stages = make_default_stages(n_stages);
+    const bool is_example = file.get_entries().empty();
+    unsigned int n_stages = read_number_of_stages(file, is_example ? 2 : 1);
+    rev_case.stages = make_default_stages(n_stages, is_example);
     std::vector<StageText> texts(n_stages);
 
     ParameterBinder binder;

@@ -89,11 +89,15 @@ namespace dem
             step.may_be_halved = can_cut_batch();
             return step;
           }
-        const double share_step = std::min(position_.share_step, 1. - position_.share);
-        step.dt = std::min(share_step * stage_.duration, to_batch);
-        step.share = stage_.duration > 0. && step.dt < share_step * stage_.duration
-                         ? position_.share + step.dt / stage_.duration
-                         : (position_.share + share_step > 1. - 1e-12 ? 1. : position_.share + share_step);
+        // The last share is reached to the last bit, whatever the sum of steps rounds to.
+        const double next = position_.share + position_.share_step;
+        step.share = next > 1. - 1e-12 ? 1. : next;
+        step.dt = stage_.duration > 0. ? std::max(0., step.share * stage_.duration - position_.time_in_stage) : 0.;
+        if (to_batch < step.dt)
+          {
+            step.dt = to_batch;
+            step.share = std::min(step.share, (position_.time_in_stage + to_batch) / stage_.duration);
+          }
         step.may_be_halved = can_halve_load() || (stage_.duration > 0. && can_cut_batch());
         return step;
       }
