@@ -238,6 +238,9 @@ namespace apps
     complete_mesh(binder, written, bvp);
     complete_initial_stress(binder, written, bvp);
     complete_rev_parameters(binder, bvp.rev);
+    for (fem::BoundaryCondition &condition : bvp.conditions)
+      if (condition.kind == fem::ConditionKind::pressure) // it has no component, whatever is written
+        condition.component.clear();
     complete_stages(binder, stages, bvp.conditions, bvp.stages);
     bvp.output.probes = parse_probes(binder, bvp.output.probes_text);
     bvp.rev_material.model = bvp.rev.model;

@@ -20,6 +20,7 @@ namespace apps
       ParameterBinder counter;
       counter.enter(section);
       counter.bind(name, number, {1., 1000.}, "");
+      counter.leave();
       const std::string path = section + "/" + name;
       if (const auto given = file.find(path))
         {
