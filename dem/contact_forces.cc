@@ -1,7 +1,7 @@
 #include "dem/contact_forces.h"
 
+#include "dem/contact_block.h"
 #include "dem/fracture.h"
-#include "dem/power.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,182 +10,134 @@ namespace dem
 {
   namespace
   {
-    /** Touching pairs of a stretch of the network, as arrays: the law is evaluated for all of them at once. */
-    struct Block
+    /** Half of what the spins of a pair do: (arm_a w_a + arm_b w_b) x n, and the mean turn of t about n. */
+    struct PairSpin
     {
-      static constexpr std::size_t capacity = 256;
-
-      std::size_t n = 0;
-      std::uint32_t pair[capacity];
-      alignas(64) double bx[capacity], by[capacity], bz[capacity]; // branch [m]
-      alignas(64) double distance[capacity], overlap[capacity], root_radius[capacity];
-      alignas(64) double force[capacity], stiffness[capacity];
+      Vector slip;  ///< velocity of b relative to a at the contact that comes from spins [m/s]
+      double twist; ///< mean angular velocity about the normal [1/s]
     };
 
-    /** Collects the touching pairs of [begin, end) and forgets the shear of those apart. */
-    void gather(const RevState &state, ContactNetwork &network, const std::size_t begin, const std::size_t end,
-                Block &block)
+    PairSpin compute_spin(const Grains &grains, const ContactBlock &block, const std::size_t i, const std::uint32_t a,
+                          const std::uint32_t b)
     {
-      const Matrix &h = state.cell.edges;
-      const double h00 = h(0, 0), h01 = h(0, 1), h02 = h(0, 2), h10 = h(1, 0), h11 = h(1, 1), h12 = h(1, 2),
-                   h20 = h(2, 0), h21 = h(2, 1), h22 = h(2, 2);
-      const Row *place = state.grains.place.data();
-      std::size_t n = 0;
-      for (std::size_t k = begin; k < end; ++k)
-        {
-          const Row &a = place[network.a[k]], &b = place[network.b[k]];
-          const double fx = b.x - a.x, fy = b.y - a.y, fz = b.z - a.z;
-          const double gx = fx - __builtin_rint(fx), gy = fy - __builtin_rint(fy), gz = fz - __builtin_rint(fz);
-          const double x = h00 * gx + h01 * gy + h02 * gz;
-          const double y = h10 * gx + h11 * gy + h12 * gz;
-          const double z = h20 * gx + h21 * gy + h22 * gz;
-          const double square = x * x + y * y + z * z;
-          const double sum = a.w + b.w;
-          block.pair[n] = static_cast<std::uint32_t>(k);
-          block.bx[n] = x;
-          block.by[n] = y;
-          block.bz[n] = z;
-          block.distance[n] = square;
-          block.overlap[n] = sum;
-          block.root_radius[n] = a.w * b.w;
-          if (square < sum * sum)
-            ++n;
-          else
-            network.shear[k] = Row{0., 0., 0., pair_is_apart};
-        }
-      block.n = n;
+      const double half = 0.5 * block.overlap[i];
+      const double arm_a = grains.place[a].w - half, arm_b = grains.place[b].w - half;
+      const Vector normal = Vector(block.branch_x[i], block.branch_y[i], block.branch_z[i]) / block.distance[i];
+      const Vector spin_a = to_vector(grains.spin[a]), spin_b = to_vector(grains.spin[b]);
+      return {-(arm_a * spin_a + arm_b * spin_b).cross(normal), 0.5 * (spin_a + spin_b).dot(normal)};
     }
 
-    /** The normal law for all pairs of a block, without branches (reference: compute_normal_response). */
-    void apply_normal_law(const ContactLaw &law, Block &block)
-    {
-      const double first_scale = law.force_scale_1, second_scale = law.force_scale_2;
-      const double first_length = 1. / law.dT1, second_length = 1. / (law.dT2 - law.d1);
-      const double hertz_scale = 4. / 3. * law.effective_modulus, shift = law.d1 + law.d2;
-      const double smallest = 1e-100; // of its length: a touch of no depth gives no force and no 0/0
-      for (std::size_t i = 0; i < block.n; ++i)
-        {
-          const double distance = std::sqrt(block.distance[i]);
-          const double sum = block.overlap[i];
-          const double d = sum - distance;
-          const double root = std::sqrt(block.root_radius[i] / sum);
-          block.distance[i] = distance;
-          block.overlap[i] = d;
-          const bool is_first = d <= law.dT1;
-          const bool is_hertz = d > law.dT2;
-          const double exponent = is_first ? law.c : law.b;
-          const double argument = is_first ? d : d - law.d1;
-          const double length = is_first ? first_length : second_length;
-          const double base = argument * length > smallest ? argument * length : smallest;
-          const double scale = is_first ? first_scale : second_scale;
-          const double rough = scale * compute_power(base, exponent);
-          const double deep = d - shift > 0. ? d - shift : 0.;
-          const double hertz = hertz_scale * deep * std::sqrt(deep);
-          const double n = root * (is_hertz ? hertz : rough);
-          block.force[i] = n;
-          block.stiffness[i] = n * (is_hertz ? 1.5 / deep : exponent * length / base);
-        }
-    }
-
-    void apply_hertz_law(const ContactLaw &law, Block &block)
-    {
-      const double scale = 4. / 3. * law.effective_modulus;
-      for (std::size_t i = 0; i < block.n; ++i)
-        {
-          const double distance = std::sqrt(block.distance[i]);
-          const double sum = block.overlap[i];
-          const double d = sum - distance > 0. ? sum - distance : 0.; // rounding may leave a touch of no depth
-          const double root = std::sqrt(block.root_radius[i] / sum * d);
-          block.distance[i] = distance;
-          block.overlap[i] = d;
-          block.force[i] = scale * root * d;
-          block.stiffness[i] = 1.5 * scale * root;
-        }
-    }
-
-    struct Pair
-    {
-      const Row &velocity_a, &velocity_b, &spin_a, &spin_b;
-      double arm_a, arm_b; // lever arms R - d/2 [m]
-    };
-
-    /** Displacement of b relative to a at their contact since the last forces [m]. */
+    /** Fetches shear forces and relative displacements of a block's pairs. */
     template <bool is_rotation_free>
-    Vector compute_relative_displacement(const Pair &pair, const Motion &motion, const Vector &branch,
-                                         const Vector &normal)
+    void gather_steps(const Grains &grains, const ContactNetwork &network, const Motion &motion, ContactBlock &block)
     {
-      Vector velocity = to_vector(pair.velocity_b) - to_vector(pair.velocity_a);
-      if constexpr (is_rotation_free)
-        velocity -= (pair.arm_a * to_vector(pair.spin_a) + pair.arm_b * to_vector(pair.spin_b)).cross(normal);
-      return velocity * motion.time_step + motion.strain_increment * branch;
+      const Matrix l = motion.strain_increment;
+      const double dt = motion.time_step;
+      for (std::size_t i = 0; i < block.n; ++i)
+        {
+          const std::uint32_t a = network.a[block.pair[i]], b = network.b[block.pair[i]];
+          const Row &va = grains.velocity[a], &vb = grains.velocity[b];
+          const Row &shear = network.shear[block.pair[i]];
+          const double x = block.branch_x[i], y = block.branch_y[i], z = block.branch_z[i];
+          block.step_x[i] = (vb.x - va.x) * dt + (l(0, 0) * x + l(0, 1) * y + l(0, 2) * z);
+          block.step_y[i] = (vb.y - va.y) * dt + (l(1, 0) * x + l(1, 1) * y + l(1, 2) * z);
+          block.step_z[i] = (vb.z - va.z) * dt + (l(2, 0) * x + l(2, 1) * y + l(2, 2) * z);
+          block.shear_x[i] = shear.x;
+          block.shear_y[i] = shear.y;
+          block.shear_z[i] = shear.z;
+          if constexpr (is_rotation_free)
+            {
+              const PairSpin spin = compute_spin(grains, block, i, a, b);
+              block.step_x[i] += spin.slip.x() * dt;
+              block.step_y[i] += spin.slip.y() * dt;
+              block.step_z[i] += spin.slip.z() * dt;
+              const double turn = spin.twist * dt / block.distance[i];
+              block.shear_x[i] += turn * (y * shear.z - z * shear.y);
+              block.shear_y[i] += turn * (z * shear.x - x * shear.z);
+              block.shear_z[i] += turn * (x * shear.y - y * shear.x);
+            }
+        }
     }
 
-    /** Turns a shear force into the new contact plane, its size kept. */
-    Vector turn(const Vector &shear, const Vector &normal)
+    void add(Row &row, const double x, const double y, const double z, const double w)
     {
-      const Vector flat = shear - shear.dot(normal) * normal;
-      const double flat_square = flat.squaredNorm();
-      return flat_square > 0. ? Vector(flat * std::sqrt(shear.squaredNorm() / flat_square)) : flat;
-    }
-
-    void add(Row &row, const Vector &value, const double w)
-    {
-      row.x += value.x();
-      row.y += value.y();
-      row.z += value.z();
+      row.x += x;
+      row.y += y;
+      row.z += z;
       row.w += w;
     }
 
-    template <bool is_rotation_free>
-    void scatter(const RevState &state, const ContactLaw &law, const Motion &motion, ContactNetwork &network,
-                 const Block &block, Forces &forces, ContactSums &sums)
+    void add_torques(const Grains &grains, const ContactBlock &block, const std::size_t i, const std::uint32_t a,
+                     const std::uint32_t b, Forces &forces)
     {
-      const Grains &grains = state.grains;
+      const double half = 0.5 * block.overlap[i];
+      const double arm_a = grains.place[a].w - half, arm_b = grains.place[b].w - half;
+      const Vector normal = Vector(block.branch_x[i], block.branch_y[i], block.branch_z[i]) / block.distance[i];
+      const Vector moment = normal.cross(Vector(block.shear_x[i], block.shear_y[i], block.shear_z[i]));
+      const double k = block.stiffness[i];
+      add(forces.torque[a], arm_a * moment.x(), arm_a * moment.y(), arm_a * moment.z(), arm_a * arm_a * k);
+      add(forces.torque[b], arm_b * moment.x(), arm_b * moment.y(), arm_b * moment.z(), arm_b * arm_b * k);
+    }
+
+    /** Gives forces to the grains, pair by pair in the network's order, and shear forces back to the network. */
+    template <bool is_rotation_free>
+    void scatter(const Grains &grains, const ContactBlock &block, ContactNetwork &network, Forces &forces,
+                 ContactSums &sums)
+    {
+      Matrix moment = Matrix::Zero();
       for (std::size_t i = 0; i < block.n; ++i)
         {
           const std::size_t k = block.pair[i];
-          const auto a = network.a[k], b = network.b[k];
-          const Vector branch(block.bx[i], block.by[i], block.bz[i]);
-          const Vector normal = branch / block.distance[i];
-          const double half = 0.5 * block.overlap[i];
-          const Pair pair{grains.velocity[a], grains.velocity[b],       grains.spin[a],
-                          grains.spin[b],     grains.place[a].w - half, grains.place[b].w - half};
-          const Vector step = compute_relative_displacement<is_rotation_free>(pair, motion, branch, normal);
-
-          Row &memory = network.shear[k];
-          Vector shear = turn(to_vector(memory), normal);
+          const std::uint32_t a = network.a[k], b = network.b[k];
+          const double x = block.branch_x[i], y = block.branch_y[i], z = block.branch_z[i];
+          const double along = block.force[i] / block.distance[i];
+          const double fx = block.shear_x[i] - along * x, fy = block.shear_y[i] - along * y,
+                       fz = block.shear_z[i] - along * z;
+          network.shear[k] = Row{block.shear_x[i], block.shear_y[i], block.shear_z[i], block.status[i]};
+          add(forces.force[a], fx, fy, fz, block.stiffness[i]);
+          add(forces.force[b], -fx, -fy, -fz, block.stiffness[i]);
           if constexpr (is_rotation_free)
-            shear += 0.5 * motion.time_step * (to_vector(pair.spin_a) + to_vector(pair.spin_b)).dot(normal) *
-                     normal.cross(shear);
-          shear += law.shear_ratio * block.stiffness[i] * (step - step.dot(normal) * normal);
-          const double cap = law.friction * block.force[i];
-          const double square = shear.squaredNorm();
-          const bool slides = square > cap * cap;
-          if (slides)
-            shear *= cap / std::sqrt(square);
-          memory = Row{shear.x(), shear.y(), shear.z(), slides ? pair_slides : pair_sticks};
-
-          const Vector force = shear - block.force[i] * normal;
-          add(forces.force[a], force, block.stiffness[i]);
-          add(forces.force[b], -force, block.stiffness[i]);
-          if constexpr (is_rotation_free)
-            {
-              const Vector moment = normal.cross(shear);
-              add(forces.torque[a], pair.arm_a * moment, pair.arm_a * pair.arm_a * block.stiffness[i]);
-              add(forces.torque[b], pair.arm_b * moment, pair.arm_b * pair.arm_b * block.stiffness[i]);
-            }
-          sums.force_times_branch += force * branch.transpose();
-          if (motion.has_contact_stress)
-            {
-              const double stress = compute_contact_stress(
-                  block.force[i], compute_effective_radius(grains.place[a].w, grains.place[b].w), block.overlap[i]);
-              forces.largest_stress[a] = std::max(forces.largest_stress[a], stress);
-              forces.largest_stress[b] = std::max(forces.largest_stress[b], stress);
-            }
+            add_torques(grains, block, i, a, b, forces);
+          moment(0, 0) += fx * x, moment(0, 1) += fx * y, moment(0, 2) += fx * z;
+          moment(1, 0) += fy * x, moment(1, 1) += fy * y, moment(1, 2) += fy * z;
+          moment(2, 0) += fz * x, moment(2, 1) += fz * y, moment(2, 2) += fz * z;
           sums.normal_force += block.force[i];
           sums.stiffness_moment += block.stiffness[i] * block.distance[i] * block.distance[i];
         }
+      sums.force_times_branch += moment;
       sums.n_touching += block.n;
+    }
+
+    void update_largest_stress(const ContactBlock &block, const ContactNetwork &network, const Grains &grains,
+                               Forces &forces)
+    {
+      for (std::size_t i = 0; i < block.n; ++i)
+        {
+          const std::uint32_t a = network.a[block.pair[i]], b = network.b[block.pair[i]];
+          const double radius = compute_effective_radius(grains.place[a].w, grains.place[b].w);
+          const double stress = compute_contact_stress(block.force[i], radius, block.overlap[i]);
+          forces.largest_stress[a] = std::max(forces.largest_stress[a], stress);
+          forces.largest_stress[b] = std::max(forces.largest_stress[b], stress);
+        }
+    }
+
+    template <bool is_rotation_free>
+    ContactSums compute(const RevState &state, const ContactLaw &law, const Motion &motion, ContactNetwork &network,
+                        Forces &forces)
+    {
+      ContactSums sums;
+      ContactBlock block;
+      for (std::size_t begin = 0; begin < network.size(); begin += ContactBlock::capacity)
+        {
+          gather_touching(state, network, begin, std::min(begin + ContactBlock::capacity, network.size()), block);
+          apply_normal_law(law, block);
+          gather_steps<is_rotation_free>(state.grains, network, motion, block);
+          apply_shear_law(law, block);
+          scatter<is_rotation_free>(state.grains, block, network, forces, sums);
+          if (motion.has_contact_stress)
+            update_largest_stress(block, network, state.grains, forces);
+        }
+      return sums;
     }
   } // namespace
 
@@ -197,20 +149,7 @@ namespace dem
       forces.torque.assign(state.grains.size(), Row{});
     if (motion.has_contact_stress)
       forces.largest_stress.assign(state.grains.size(), 0.);
-    ContactSums sums;
-    Block block;
-    for (std::size_t begin = 0; begin < network.size(); begin += Block::capacity)
-      {
-        gather(state, network, begin, std::min(begin + Block::capacity, network.size()), block);
-        if (law.roughness > 0.)
-          apply_normal_law(law, block);
-        else
-          apply_hertz_law(law, block);
-        if (motion.is_rotation_free)
-          scatter<true>(state, law, motion, network, block, forces, sums);
-        else
-          scatter<false>(state, law, motion, network, block, forces, sums);
-      }
-    return sums;
+    return motion.is_rotation_free ? compute<true>(state, law, motion, network, forces)
+                                   : compute<false>(state, law, motion, network, forces);
   }
 } // namespace dem
