@@ -39,7 +39,8 @@ namespace dem
 
       static int locate(const double fraction, const int n_boxes)
       {
-        return std::min(n_boxes - 1, static_cast<int>((fraction - std::floor(fraction)) * n_boxes));
+        // Below zero only for a place that is not a number: the run will say so, the arrays must hold until then.
+        return std::clamp(static_cast<int>((fraction - std::floor(fraction)) * n_boxes), 0, n_boxes - 1);
       }
 
       std::uint32_t index(const int i, const int j, const int k) const

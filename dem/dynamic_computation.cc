@@ -4,7 +4,7 @@ namespace dem
 {
   namespace
   {
-    /** Grows the cracks over the coming time step and replaces the grains whose limit is reached. */
+    /** Grows the cracks over the time step just passed and replaces the grains whose limit is reached. */
     class Cracking
     {
     public:
@@ -13,7 +13,7 @@ namespace dem
 
       void act(Dynamics &dynamics)
       {
-        const double dt = dynamics.get_time_step();
+        const double dt = dynamics.get_last_step();
         const auto broken = grow_cracks(dynamics.get_largest_contact_stress(), dt);
         state_.time += dt;
         if (broken.empty())

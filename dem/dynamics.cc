@@ -44,13 +44,19 @@ namespace dem
   {
     motion_.is_rotation_free = rule.motion.is_rotation_free;
     motion_.has_contact_stress = rule.motion.has_true_masses; // cracks may grow in every cycle
-    motion_.time_step = 0.;                                   // the first forces follow no motion
     if (!rule.motion.has_true_masses)
       take_velocities_away(state_.grains);
     rebuild();
   }
 
   void Dynamics::rebuild()
+  {
+    motion_.time_step = 0.;
+    motion_.strain_increment.setZero();
+    build_network();
+  }
+
+  void Dynamics::build_network()
   {
     reduce_lattice(state_);
     const double skin = rule_.skin_share * compute_mean_radius(state_.grains);
@@ -70,7 +76,7 @@ namespace dem
         if (used > 0.8 * network_.skin)
           {
             state_.contacts = collect_memories(network_);
-            rebuild();
+            build_network();
             if (!is_wide_enough_)
               return;
           }
@@ -111,6 +117,14 @@ namespace dem
         place.y -= std::floor(place.y);
         place.z -= std::floor(place.z);
       }
+  }
+
+  bool Dynamics::is_finite() const
+  {
+    double sum = state_.cell.edges.sum();
+    for (const Row &place : state_.grains.place)
+      sum += place.x + place.y + place.z;
+    return std::isfinite(sum);
   }
 
   Matrix Dynamics::compute_stress() const

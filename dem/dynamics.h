@@ -32,7 +32,8 @@ namespace dem
     /** Masses and time step for the present contacts; to be called now and then, since stiffness changes. */
     void refresh_masses();
 
-    /** For a state whose grains have been replaced from outside: network and arrays anew. */
+    /** For a state whose grains have been replaced from outside: network and arrays anew; forces computed again in the
+     *  same cycle follow no motion, since contacts that stay have followed it already. */
     void rebuild();
 
     /** Writes shear history, stress and unbalanced ratio into the state; scaled masses: takes velocities away. */
@@ -44,13 +45,19 @@ namespace dem
     Matrix compute_stress() const;           ///< Love-Weber [Pa], tension-positive
     double compute_unbalanced_ratio() const; ///< mean resultant force over mean normal contact force [-]
     double compute_stiffness() const;        ///< (1/3V) sum of kn |branch|^2 [Pa], an upper bound of the P-wave modulus
+    /** False once a grain or the cell is nowhere: places that are not numbers touch nobody, so forces do not tell. */
+    bool is_finite() const;
+
     double get_time_step() const { return kinetics_.time_step; }
+    double get_last_step() const { return motion_.time_step; } ///< that led to the present places [s]; 0: none
     std::size_t get_n_cycles() const { return n_cycles_; }
     /** Largest contact stress of each grain [Pa]; with true masses only. */
     const std::vector<double> &get_largest_contact_stress() const { return forces_.largest_stress; }
     const ContactNetwork &get_network() const { return network_; }
 
   private:
+    void build_network();
+
     RevState &state_;
     const ContactLaw &law_;
     const DynamicsRule rule_;

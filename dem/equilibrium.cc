@@ -90,7 +90,7 @@ namespace dem
       const double tolerance = rule.stress_tolerance * compute_largest_target(control);
       const Matrix stress = dynamics.compute_stress();
       for (int m = 0; m < 6; ++m)
-        if (control.is_stress_controlled[m] && std::abs(driver.compute_deviation(m, stress)) > tolerance)
+        if (control.is_stress_controlled[m] && !(std::abs(driver.compute_deviation(m, stress)) <= tolerance))
           return false;
       return true;
     }
@@ -114,22 +114,20 @@ namespace dem
       const bool has_servo = control.has_servo();
       for (std::size_t cycle = 0;; ++cycle)
         {
+          dynamics.compute_forces();
+          if (hook && dynamics.is_wide_enough())
+            hook(dynamics);
           if (!dynamics.is_wide_enough())
             return RestStatus::cell_too_narrow;
-          dynamics.compute_forces();
-          if (hook)
-            hook(dynamics);
           report.n_cycles = cycle;
           const Matrix stress = has_servo ? dynamics.compute_stress() : Matrix::Zero();
           if (has_servo)
             record_deviations(driver, control, stress, report);
-          if (cycle % cycles_between_checks == 0)
-            {
-              if (!std::isfinite(dynamics.compute_unbalanced_ratio()))
-                return RestStatus::not_finite;
-              if (is_at_rest(driver, control, rule, dynamics, cycle))
-                return RestStatus::at_rest;
-            }
+          const bool is_checked = cycle % cycles_between_checks == 0;
+          if (is_checked && !(dynamics.is_finite() && std::isfinite(dynamics.compute_unbalanced_ratio())))
+            return RestStatus::not_finite;
+          if ((is_checked || rule.fixed_cycles > 0) && is_at_rest(driver, control, rule, dynamics, cycle))
+            return RestStatus::at_rest;
           dynamics.refresh_masses();
           if (cycle >= std::max(rule.cycle_cap, rule.fixed_cycles + driver.get_n_straining()))
             return RestStatus::cap_reached;
