@@ -1,0 +1,195 @@
+#include "dem/contact_network.h"
+
+#include "tests/support/rev_cases.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+#include <random>
+#include <utility>
+
+namespace
+{
+  using namespace rev_cases;
+  using Pair = std::pair<std::uint32_t, std::uint32_t>;
+
+  /** Grains thrown into a cell with edges of some size [radii] that lean by given shares of each other. */
+  RevState scatter(const std::size_t n, const double edge, const double lean, const std::uint64_t seed)
+  {
+    std::mt19937_64 random(seed);
+    std::uniform_real_distribution<double> place(-1., 2.), size(0.5, 1.); // also outside the cell: images
+    RevState state = make_state(std::vector<Vector>(n, Vector::Zero()), 1.);
+    for (Row &row : state.grains.place)
+      row = {place(random), place(random), place(random), size(random) * radius};
+    state.cell.edges << 1., lean, -lean, 0., 1.1, lean, 0., 0., 0.9;
+    state.cell.edges *= edge * radius;
+    return state;
+  }
+
+  /** Distance of the nearest of 343 images. */
+  double compute_distance(const RevState &state, const std::size_t i, const std::size_t j)
+  {
+    Vector fraction = to_vector(state.grains.place[j]) - to_vector(state.grains.place[i]);
+    for (int k = 0; k < 3; ++k)
+      fraction[k] -= std::floor(fraction[k]);
+    double nearest = std::numeric_limits<double>::infinity();
+    for (int x = -3; x <= 3; ++x)
+      for (int y = -3; y <= 3; ++y)
+        for (int z = -3; z <= 3; ++z)
+          nearest = std::min(nearest, (state.cell.edges * (fraction + Vector(x, y, z))).norm());
+    return nearest;
+  }
+
+  std::vector<Pair> list_near_pairs(const RevState &state, const double skin)
+  {
+    std::vector<Pair> pairs;
+    for (std::uint32_t i = 0; i < state.grains.size(); ++i)
+      for (std::uint32_t j = i + 1; j < state.grains.size(); ++j)
+        if (compute_distance(state, i, j) < state.grains.place[i].w + state.grains.place[j].w + skin)
+          pairs.emplace_back(i, j);
+    return pairs;
+  }
+
+  std::vector<Pair> list_pairs(const ContactNetwork &network)
+  {
+    std::vector<Pair> pairs;
+    for (std::size_t k = 0; k < network.size(); ++k)
+      pairs.emplace_back(network.a[k], network.b[k]);
+    return pairs;
+  }
+
+  TEST(ContactNetwork, HoldsEveryNearPairOnceInOrder)
+  {
+    // Law: the pairs whose nearest images are closer than both radii and the skin, sorted; upright and leaning cells,
+    // with many boxes a side and with fewer than three.
+    const double skin = 0.2 * radius;
+    for (const double edge : {6.2, 8., 14.})
+      for (const double lean : {0., 0.3, 0.7})
+        {
+          const RevState state = scatter(80, edge, lean, 7);
+          if (!is_wide_enough(state.cell, compute_reach(state.grains, skin)))
+            continue;
+          const auto expected = list_near_pairs(state, skin);
+          ASSERT_GT(expected.size(), 20u);
+          EXPECT_EQ(list_pairs(build_contact_network(state, skin)), expected) << edge << " " << lean;
+        }
+  }
+
+  TEST(ContactNetwork, RefusesCellsInWhichAPairCouldTouchTwice)
+  {
+    // Law: through one image only means a cell wider than two reaches, of the narrowest width and not of the edges.
+    RevState state = scatter(2, 5., 0., 1);
+    const double reach = compute_narrowest_width(state.cell) / 2.;
+    EXPECT_TRUE(is_wide_enough(state.cell, 0.999 * reach));
+    EXPECT_FALSE(is_wide_enough(state.cell, 1.001 * reach));
+    state.cell.edges(0, 1) = state.cell.edges(1, 1); // leans by 45 degrees
+    EXPECT_FALSE(is_wide_enough(state.cell, 0.999 * reach));
+  }
+
+  TEST(ContactNetwork, KeepsMemoriesWhicheverGrainIsNamedFirst)
+  {
+    // Law: t acts on a; the same contact named b before a carries -t. Pairs without memory are apart.
+    RevState state = scatter(60, 7., 0.2, 3);
+    const auto pairs = list_near_pairs(state, 0.);
+    ASSERT_GT(pairs.size(), 20u);
+    for (std::size_t k = 0; k < pairs.size(); k += 2)
+      {
+        const auto [a, b] = pairs[k];
+        const Vector t(double(k) + 1., -2. * double(k), 0.5);
+        state.contacts.push_back(k % 4 == 0 ? ContactMemory{a, b, t, k % 8 == 0} : ContactMemory{b, a, -t, k % 8 == 0});
+      }
+    std::reverse(state.contacts.begin(), state.contacts.end());
+
+    const auto memories = collect_memories(build_contact_network(state, 0.1 * radius));
+    ASSERT_EQ(memories.size(), state.contacts.size());
+    for (std::size_t i = 0; i < memories.size(); ++i)
+      {
+        const double k = 2. * static_cast<double>(i);
+        EXPECT_EQ(Pair(memories[i].a, memories[i].b), pairs[2 * i]);
+        EXPECT_EQ(memories[i].shear_force, Vector(k + 1., -2. * k, 0.5));
+        EXPECT_EQ(memories[i].is_sliding, i % 4 == 0);
+      }
+  }
+
+  TEST(ContactNetwork, BuiltAgainFromItsOwnMemoriesIsTheSame)
+  {
+    // Law: collecting and building are inverse to each other, on a packing under load with real shear forces.
+    RevState state = get_loaded_state();
+    ASSERT_GT(state.contacts.size(), n_grains);
+    const auto again = collect_memories(build_contact_network(state, 0.3 * radius));
+    ASSERT_EQ(again.size(), state.contacts.size());
+    for (std::size_t i = 0; i < again.size(); ++i)
+      {
+        EXPECT_EQ(Pair(again[i].a, again[i].b), Pair(state.contacts[i].a, state.contacts[i].b));
+        EXPECT_EQ(again[i].shear_force, state.contacts[i].shear_force);
+        EXPECT_EQ(again[i].is_sliding, state.contacts[i].is_sliding);
+      }
+  }
+
+  TEST(ContactNetwork, UsedSkinBoundsHowMuchCloserAnyPairHasCome)
+  {
+    // Law: no pair outside the network touches before the skin is used up, whatever the grains and the cell have done.
+    // Exact: the bound holds without tolerance.
+    const double skin = 0.5 * radius;
+    std::mt19937_64 random(5);
+    std::normal_distribution<double> normal;
+    std::size_t n_valid = 0;
+    for (int trial = 0; trial < 30; ++trial)
+      {
+        RevState state = scatter(40, 9., 0.2, static_cast<std::uint64_t>(trial));
+        const ContactNetwork network = build_contact_network(state, skin);
+        const auto known = list_pairs(network);
+        const double step = 0.006 * (trial % 5); // [fractions]
+        for (Row &place : state.grains.place)
+          place = {place.x + step * normal(random), place.y + step * normal(random), place.z, place.w};
+        const Matrix strain = 0.02 * (trial % 3) * Matrix::NullaryExpr([&] { return normal(random); });
+        state.cell.deform(Matrix::Identity() + strain);
+        if (compute_used_skin(network, state.cell, state.grains) >= skin)
+          continue;
+        ++n_valid;
+        for (const Pair &pair : list_near_pairs(state, 0.))
+          EXPECT_TRUE(std::binary_search(known.begin(), known.end(), pair));
+      }
+    EXPECT_GT(n_valid, 5u);
+  }
+
+  TEST(ContactNetwork, UsedSkinOfOneGrainIsTwiceItsWay)
+  {
+    // Law: both grains of a pair may have moved so far. A uniform strain uses its norm times the reach. Tolerance:
+    // rounding.
+    RevState state = scatter(10, 8., 0., 2);
+    const ContactNetwork network = build_contact_network(state, radius);
+    EXPECT_EQ(compute_used_skin(network, state.cell, state.grains), 0.);
+    state.grains.place[3].z += 0.01;
+    EXPECT_NEAR(compute_used_skin(network, state.cell, state.grains), 0.02 * state.cell.edges(2, 2), 1e-15 * radius);
+    state.grains.place = network.place_when_built;
+    state.cell.deform(Vector(1., 1., 0.99).asDiagonal().toDenseMatrix());
+    EXPECT_NEAR(compute_used_skin(network, state.cell, state.grains), 0.01 * network.reach, 1e-14 * radius);
+  }
+
+  TEST(ContactNetwork, TheSkinChangesNoResult)
+  {
+    // Law: the skin decides when pairs are looked up, not what they do; they are summed in the order of their names
+    // whatever the skin. Tolerance: pairs fall into other lanes of the vectorised law, whose last bit may differ, and
+    // 600 cycles carry that on: 1e-15 measured, 1e-12 allowed.
+    RevModel model;
+    std::vector<RevState> states;
+    for (const double share : {0.05, 0.2, 0.4})
+      {
+        model.dynamics.skin_share = share;
+        RevState state = get_packing().state;
+        CellControl control;
+        control.stretch(2, 2) = 0.995;
+        control.stretch(0, 1) = control.stretch(1, 0) = 0.002;
+        ASSERT_EQ(bring_to_rest(state, make_rest_rule(model), control).status, RestStatus::at_rest);
+        states.push_back(state);
+      }
+    for (const RevState &other : {states[1], states[2]})
+      {
+        EXPECT_EQ(other.counters.cycles, states[0].counters.cycles);
+        EXPECT_EQ(other.contacts.size(), states[0].contacts.size());
+        EXPECT_LT((other.stress - states[0].stress).norm(), 1e-12 * states[0].stress.norm());
+      }
+  }
+} // namespace
