@@ -122,6 +122,10 @@ namespace apps
     ParameterBinder binder;
     binder.bind("Number of stages", n_stages, {1., largest_number_of_stages}, "Of the loading programme. Units: [-].");
     bind_rev_parameters(binder, rev_case.rev);
+    binder.bind(
+        "REV number", rev_case.rev.model.identity.rev, non_negative,
+        "Whose strengths and cracks are drawn: that of a Gauss point, to take its REV through a laboratory test. "
+        "Units: [-].");
     bind_laboratory(binder, rev_case);
     for (unsigned int k = 0; k < n_stages; ++k)
       bind_stage(binder, fmt::format("Stage {}", k + 1), rev_case.stages[k], texts[k]);

@@ -160,7 +160,7 @@ namespace apps
       {
         const dem::RevState &state = rev_->get_committed();
         dem::write_snapshot(folder_.get_snapshot_file(name), state, dem::list_contacts(state, rev_->get_law()),
-                            {case_.rev.seed, 0});
+                            {case_.rev.seed, case_.rev.model.identity.rev});
       }
 
       void write_checkpoint()
