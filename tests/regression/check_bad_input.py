@@ -1,0 +1,188 @@
+"""Law: bad input gets one message that says what is wrong where, exit status 2, and nothing is overwritten; a full disk
+gets path and cause, exit status 1, and the last checkpoint stays valid."""
+
+import argparse
+import pathlib
+import resource
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import unittest
+
+SKIPPED = 77  # CTest's SKIP_RETURN_CODE
+
+CASE = """set Seed = 1
+set Number of stages = 2
+subsection Packing
+  set Grains = 60
+  set Friction = 0.1
+end
+subsection Stage 1
+  set Kind = oedometric
+  set Stress = 1e6
+  set Increments = 4
+end
+subsection Stage 2
+  set Kind = creep
+  set Duration = 100
+end
+"""
+
+
+class BadInput(unittest.TestCase):
+    build = pathlib.Path()
+
+    def setUp(self):
+        self.folder = pathlib.Path(tempfile.mkdtemp())
+        self.addCleanup(shutil.rmtree, self.folder)
+        self.case = self.folder / "case.prm"
+        self.case.write_text(CASE)
+
+    def run_program(self, *arguments, program="slowsand-rev", **options):
+        return subprocess.run([self.build / program, *map(str, arguments), "--quiet"], capture_output=True, text=True,
+                              timeout=120, cwd=self.folder, **options)
+
+    def expect_refusal(self, result, *words):
+        self.assertEqual(result.returncode, 2, result.stderr)
+        self.assertEqual(len(result.stderr.strip().splitlines()), 1, result.stderr)
+        for word in words:
+            self.assertIn(word, result.stderr)
+
+    def line_of(self, text):
+        return next(n for n, line in enumerate(self.case.read_text().splitlines(), 1) if text in line)
+
+    def change_case(self, old, new):
+        self.case.write_text(self.case.read_text().replace(old, new))
+
+    def finish_run(self):
+        run = self.folder / "run"
+        result = self.run_program(self.case, "--output", run)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        return run
+
+    def read_all(self, folder):
+        return {file: file.read_bytes() for file in sorted(folder.rglob("*")) if file.is_file()}
+
+    # Parameters: file, line, name, value, allowed range.
+
+    def test_misspelt_parameter(self):
+        self.change_case("set Friction", "set Frictoin")
+        self.expect_refusal(self.run_program(self.case), "case.prm", f"line {self.line_of('Frictoin')}", "Frictoin")
+
+    def test_misspelt_section(self):
+        self.change_case("subsection Packing", "subsection Pakcing")
+        self.expect_refusal(self.run_program(self.case), "case.prm", "Pakcing")
+
+    def test_value_out_of_range(self):
+        self.change_case("set Grains = 60", "set Grains = -3")
+        self.expect_refusal(self.run_program(self.case), "case.prm", f"line {self.line_of('-3')}", "Grains", "-3", ">= 10")
+
+    def test_value_that_is_no_number(self):
+        self.change_case("set Stress = 1e6", "set Stress = much")
+        self.expect_refusal(self.run_program(self.case), f"line {self.line_of('much')}", "Stress", "much")
+
+    def test_override_out_of_range(self):
+        self.expect_refusal(self.run_program(self.case, "--set", "Grains/Poisson ratio=0.7"), "--set", "Poisson ratio", "0.7", "0.5")
+
+    def test_missing_case(self):
+        self.expect_refusal(self.run_program("nowhere.prm"), "nowhere.prm")
+
+    def test_stages_that_contradict_themselves(self):
+        self.change_case("set Duration = 100", "set Duration = 0")
+        self.expect_refusal(self.run_program(self.case, "--check"), "tage 2", "duration")
+
+    def test_boundary_value_problem_with_unknown_parameter(self):
+        self.expect_refusal(self.run_program(self.case, "--check", program="slowsand-bvp"), "case.prm")
+
+    # Packing files: file and line.
+
+    def expect_packing_refused(self, text, *words):
+        packing = self.folder / "packing.txt"
+        packing.write_text(text)
+        self.expect_refusal(self.run_program(self.case, "--set", f"Packing/File={packing}", "--output", self.folder / "run"),
+                            "packing.txt", *words)
+        self.assertFalse((self.folder / "run").exists())
+
+    def test_packing_with_overlapping_grains(self):
+        self.expect_packing_refused("# cell 1e-3 1e-3 1e-3\n2e-4 5e-4 5e-4 1e-4\n3e-4 5e-4 5e-4 1e-4\n", ":3", "overlap")
+
+    def test_packing_with_a_radius_of_zero(self):
+        self.expect_packing_refused("# cell 1e-3 1e-3 1e-3\n2e-4 5e-4 5e-4 0\n", ":2", "radius")
+
+    def test_packing_without_a_cell(self):
+        self.expect_packing_refused("2e-4 5e-4 5e-4 1e-4\n", ":1", "cell")
+
+    # Run folders.
+
+    def test_folder_that_holds_a_run(self):
+        run = self.finish_run()
+        before = self.read_all(run)
+        self.expect_refusal(self.run_program(self.case, "--output", run), str(run), "--resume", "--overwrite")
+        self.assertEqual(before, self.read_all(run))
+
+    def test_nothing_to_resume(self):
+        self.expect_refusal(self.run_program("--resume", self.folder / "nowhere"), "nowhere")
+
+    def break_checkpoint(self, change):
+        run = self.finish_run()
+        checkpoint = run / "checkpoint.h5"
+        checkpoint.write_bytes(change(checkpoint.read_bytes()))
+        before = self.read_all(run)
+        self.expect_refusal(self.run_program("--resume", run), "checkpoint.h5")
+        self.assertEqual(before, self.read_all(run))
+
+    def test_truncated_checkpoint(self):
+        self.break_checkpoint(lambda data: data[: len(data) // 2])
+
+    def test_checkpoint_of_another_format(self):
+        self.break_checkpoint(lambda data: b"not HDF5 at all" * 100)
+
+    def test_checkpoint_of_another_program(self):
+        import h5py
+
+        run = self.finish_run()
+        (run / "checkpoint.h5").unlink()
+        with h5py.File(run / "checkpoint.h5", "w") as file:
+            file["temperature"] = [1.0, 2.0]
+        self.expect_refusal(self.run_program("--resume", run), "checkpoint.h5", "format")
+
+    def test_replay_of_a_foreign_file(self):
+        result = subprocess.run([self.build / "slowsand-replay", self.case], capture_output=True, text=True, timeout=60)
+        self.expect_refusal(result, "case.prm")
+
+    # A disk that fills up.
+
+    def test_full_disk_keeps_the_checkpoint(self):
+        run = self.finish_run()
+        checkpoint = run / "checkpoint.h5"
+        before = checkpoint.read_bytes()
+        limit = len(before) // 2  # the system refuses any larger file, as a full disk does
+
+        def fill_disk():
+            signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+            resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
+
+        result = self.run_program("--resume", run, preexec_fn=fill_disk)
+        self.assertEqual(result.returncode, 1, result.stderr)
+        self.assertIn("checkpoint.h5", result.stderr)
+        self.assertIn("arge", result.stderr)  # "File too large": the cause as the system names it
+        self.assertEqual(checkpoint.read_bytes(), before)
+        self.assertEqual(self.run_program("--resume", run).returncode, 0)
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--source", required=True)
+    parser.add_argument("--build", required=True)
+    arguments, rest = parser.parse_known_args()
+    BadInput.build = pathlib.Path(arguments.build).resolve()
+    if not (BadInput.build / "slowsand-rev").exists():
+        print("skipped: slowsand-rev has not been built")
+        sys.exit(SKIPPED)
+    unittest.main(argv=[sys.argv[0], *rest])
+
+
+if __name__ == "__main__":
+    main()
