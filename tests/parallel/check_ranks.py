@@ -1,0 +1,55 @@
+"""Law: history.csv is the same, byte for byte, on 1, 2 and 4 ranks, and with threads."""
+
+import argparse
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+
+import small_case  # noqa: E402
+
+
+def check_histories(build, folder):
+    case = small_case.write_case(folder)
+    histories = {}
+    for name, n_ranks, options in (("1 rank", 1, ()), ("2 ranks", 2, ()), ("4 ranks", 4, ()),
+                                   ("1 rank, 3 threads", 1, ("--threads", 3))):
+        output = Path(folder) / name.replace(" ", "_")
+        small_case.run(build, n_ranks, case, "--output", output, *options)
+        histories[name] = (output / "history.csv").read_bytes()
+    one = histories["1 rank"]
+    lines = one.decode().splitlines()
+    broken = sum(int(value) for value in lines[-1].split(",")[5:7])
+    if broken < 5:  # a run in which nothing happens would prove nothing
+        raise AssertionError(f"only {broken} grains broke")
+    for name, history in histories.items():
+        if history != one:
+            differing = next((i for i, (a, b) in enumerate(zip(lines, history.decode().splitlines())) if a != b), None)
+            raise AssertionError(f"{name}: history.csv differs from that of 1 rank, first in line "
+                                 f"{differing + 1 if differing is not None else 'none: lengths differ'}")
+    print(f"{len(lines) - 1} rows, {broken} grains broken: the same bytes on 1, 2, 4 ranks and 3 threads")
+
+
+def check_unit_tests(build):
+    """The tests of the coupling hold on several ranks, too."""
+    for n_ranks in (2, 3):
+        subprocess.run(["mpirun", "-np", str(n_ranks), str(Path(build) / "tests" / "unit_coupling"),
+                        "--gtest_filter=RevPool*:RevMaterial*"], env=small_case.make_environment(), check=True,
+                       timeout=200, stdout=subprocess.DEVNULL)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--source")
+    parser.add_argument("--build", required=True)
+    options = parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        check_histories(options.build, folder)
+    check_unit_tests(options.build)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,165 @@
+// Law: committed states return bit by bit after revert, and after save and load; a failure is a status and a file.
+
+#include "coupling/rev_material.h"
+#include "coupling/tensor_conversion.h"
+
+#include "tests/unit/coupling/rev_sample.h"
+
+#include "dem/snapshot.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <map>
+
+namespace
+{
+  using coupling::RevMaterial;
+  using fem::Status;
+
+  /** All committed states that live here. */
+  std::map<fem::PointId, std::vector<std::byte>> copy_states(const RevMaterial &material)
+  {
+    std::map<fem::PointId, std::vector<std::byte>> states;
+    for (const fem::PointId id : material.get_pool().get_local_points())
+      states[id] = dem::serialise(material.get_local_rev(id).get_committed());
+    return states;
+  }
+
+  std::vector<fem::PointResponse> strain(RevMaterial &material, const double axial)
+  {
+    dealii::Tensor<2, 3> increment(dealii::unit_symmetric_tensor<3>());
+    increment[2][2] += axial;
+    const std::vector<fem::PointRequest> requests = {{3, increment}, {8, increment}};
+    std::vector<fem::PointResponse> responses(2);
+    material.evaluate(requests, responses, false);
+    return responses;
+  }
+
+  std::string make_folder()
+  {
+    const std::string folder = testing::TempDir() + "slowsand_rev_material";
+    if (dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
+      {
+        std::filesystem::remove_all(folder);
+        std::filesystem::create_directories(folder);
+      }
+    MPI_Barrier(MPI_COMM_WORLD);
+    return folder;
+  }
+} // namespace
+
+TEST(RevMaterial, PointsStartAtTheirStressWithStrengthsOfTheirOwn)
+{
+  RevMaterial material(rev_sample::make_parameters(), rev_sample::make_pool());
+  material.initialise(rev_sample::make_sites());
+  std::vector<double> strengths;
+  for (const auto &[id, stress] : material.collect_stresses())
+    // The servo holds each component within 2e-3 of the largest target.
+    EXPECT_LT((stress - rev_sample::make_pressure(1e6)).norm(), 3. * 2e-3 * 1e6) << id;
+  const auto rows = material.get_pool().collect(1, [&](const fem::PointId id, std::span<double> row) {
+    row[0] = material.get_local_rev(id).get_committed().grains.strength[0];
+  });
+  EXPECT_NE(rows[0], rows[1]);
+}
+
+TEST(RevMaterial, RevertReturnsEveryBit)
+{
+  RevMaterial material(rev_sample::make_parameters(), rev_sample::make_pool());
+  material.initialise(rev_sample::make_sites());
+  const auto before = copy_states(material);
+  EXPECT_EQ(strain(material, -5e-3)[0].status, Status::ok);
+  material.settle(true);
+  EXPECT_EQ(material.begin_step(1e3), Status::ok);
+  material.revert();
+  const auto first = strain(material, -1e-3);
+  EXPECT_EQ(copy_states(material), before);
+  material.revert();
+  const auto second = strain(material, -1e-3);
+  for (int i = 0; i < 2; ++i)
+    EXPECT_TRUE(first[i].stress == second[i].stress);
+}
+
+TEST(RevMaterial, SaveAndLoadReturnEveryBit)
+{
+  const std::string file = make_folder() + "/checkpoint.h5";
+  RevMaterial material(rev_sample::make_parameters(), rev_sample::make_pool());
+  material.initialise(rev_sample::make_sites());
+  strain(material, -3e-3);
+  material.settle(true);
+  material.commit();
+  if (material.get_pool().get_rank() == 0)
+    dem::create_file(file);
+  material.save(file);
+
+  auto parameters = rev_sample::make_parameters();
+  parameters.is_resumed = true;
+  RevMaterial other(parameters, rev_sample::make_pool());
+  other.initialise(rev_sample::make_sites());
+  other.load(file);
+  EXPECT_EQ(copy_states(other), copy_states(material));
+  EXPECT_EQ(other.compute_fields(8), material.compute_fields(8));
+  const auto here = strain(material, -1e-3), there = strain(other, -1e-3);
+  for (int i = 0; i < 2; ++i)
+    EXPECT_TRUE(here[i].stress == there[i].stress);
+}
+
+TEST(RevMaterial, LoadNamesFileAndDatasetOfWhatIsMissing)
+{
+  const std::string file = make_folder() + "/empty.h5";
+  RevMaterial material(rev_sample::make_parameters(), rev_sample::make_pool());
+  material.initialise(rev_sample::make_sites());
+  if (material.get_pool().get_rank() == 0)
+    dem::create_file(file);
+  MPI_Barrier(MPI_COMM_WORLD);
+  try
+    {
+      material.load(file);
+      FAIL() << "nothing was thrown";
+    }
+  catch (const std::runtime_error &error)
+    {
+      EXPECT_NE(std::string(error.what()).find(file), std::string::npos) << error.what();
+      EXPECT_NE(std::string(error.what()).find("/material/points/3"), std::string::npos) << error.what();
+    }
+}
+
+TEST(RevMaterial, FailureIsAStatusAndAFileThatFailsAgain)
+{
+  auto parameters = rev_sample::make_parameters();
+  parameters.failure_folder = make_folder() + "/failures";
+  RevMaterial sound(parameters, rev_sample::make_pool());
+  sound.initialise(rev_sample::make_sites());
+  const std::string checkpoint = make_folder() + "/state.h5";
+  if (sound.get_pool().get_rank() == 0)
+    dem::create_file(checkpoint);
+  sound.save(checkpoint);
+
+  parameters.is_resumed = true;
+  parameters.model.equilibrium.cycle_cap = 20; // too few to come to rest
+  RevMaterial hasty(parameters, rev_sample::make_pool());
+  hasty.initialise(rev_sample::make_sites());
+  hasty.load(checkpoint);
+  for (const auto &response : strain(hasty, -2e-3))
+    EXPECT_EQ(response.status, Status::failed);
+  MPI_Barrier(MPI_COMM_WORLD);
+
+  const auto failure = coupling::read_failure(parameters.failure_folder + "/point_8_1.h5");
+  EXPECT_EQ(failure.model.identity.rev, 8u);
+  dem::Matrix asked = dem::Matrix::Identity();
+  asked(2, 2) -= 2e-3;
+  EXPECT_TRUE(failure.question.stretch ==
+              coupling::split_increment(coupling::to_tensor(asked), dem::Matrix::Identity(), fem::Kinematics::finite)
+                  .stretch); // the same bits
+  dem::Rev rev(failure.model, failure.state);
+  const auto report = coupling::ask(rev, failure.question, failure.ageing);
+  EXPECT_TRUE(report.has_failed());
+  EXPECT_EQ(coupling::describe(report), failure.what);
+}
+
+TEST(RevMaterial, TensionAtTheStartIsRefused)
+{
+  RevMaterial material(rev_sample::make_parameters(), rev_sample::make_pool());
+  const std::vector<fem::PointSite> sites = {{0, {}, rev_sample::make_pressure(-1e3)}};
+  EXPECT_THROW(material.initialise(sites), std::invalid_argument);
+}
