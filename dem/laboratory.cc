@@ -33,14 +33,24 @@ namespace dem
           : rev_(rev), stage_(stage), rule_(rule), position_(position), nominal_(1. / std::max(1u, stage.n_increments))
       {}
 
-      void start()
+      /** @param before  the stage before this one, if any: stresses that it controlled are held at their targets, not
+       * at what the servo's tolerance left of them */
+      void start(const LaboratoryStage *before)
       {
         const RevState &state = rev_.get_committed();
+        Matrix stress = 0.5 * (state.stress + state.stress.transpose());
+        if (before != nullptr)
+          {
+            const CellControl control = compute_control(*before, position_, 1., state);
+            for (int k = 0; k < 3; ++k)
+              if (control.is_stress_controlled[k])
+                stress(k, k) = control.target_stress(k, k);
+          }
         position_.share = is_held(stage_) ? 1. : 0.;
         position_.share_step = nominal_;
         position_.time_in_stage = 0.;
         position_.n_cuts = 0;
-        position_.stress_at_start = 0.5 * (state.stress + state.stress.transpose());
+        position_.stress_at_start = stress;
         position_.strain_at_start = compute_logarithmic_strain(state.cell.deformation);
       }
 
@@ -207,7 +217,7 @@ namespace dem
         StageRunner runner(rev, stages[position.stage], rule, position);
         if (position.share_step == 0.) // a resumed stage has begun already
           {
-            runner.start();
+            runner.start(position.stage > 0 ? &stages[position.stage - 1] : nullptr);
             if (observer.stage_edge)
               observer.stage_edge(position.stage, false);
           }
