@@ -1,0 +1,178 @@
+// A laboratory programme as a whole: what is refused before it starts, and what a resumed one repeats.
+
+#include "dem/laboratory.h"
+
+#include "tests/support/rev_cases.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <stdexcept>
+
+namespace
+{
+  using namespace rev_cases;
+
+  RevModel make_weak_model()
+  {
+    RevModel model;
+    model.fracture.strength.reference_strength = 1.8e9;
+    return model;
+  }
+
+  std::vector<LaboratoryStage> make_programme()
+  {
+    std::vector<LaboratoryStage> stages(3);
+    for (LaboratoryStage &stage : stages)
+      {
+        stage.name = "test";
+        stage.n_increments = 3;
+        stage.duration = 1e3;
+        stage.points_per_decade = 1;
+      }
+    stages[0].kind = StageKind::oedometric;
+    stages[0].stress = 9e6;
+    stages[1].kind = StageKind::creep;
+    stages[2].kind = StageKind::relaxation;
+    return stages;
+  }
+
+  /** All bits of an observation that a table could show. */
+  std::vector<double> list_values(const Observation &observation)
+  {
+    std::vector<double> values = {observation.time,
+                                  double(observation.stage),
+                                  double(observation.kind),
+                                  double(observation.counters.cycles),
+                                  double(observation.counters.broken_instant),
+                                  double(observation.counters.broken_delayed),
+                                  observation.void_ratio,
+                                  observation.void_ratio_with_fines,
+                                  observation.coordination,
+                                  observation.unbalanced_ratio,
+                                  double(observation.n_grains)};
+    values.insert(values.end(), observation.strain.data(), observation.strain.data() + 9);
+    values.insert(values.end(), observation.stress.data(), observation.stress.data() + 9);
+    return values;
+  }
+
+  struct Record
+  {
+    LaboratoryOutcome outcome;
+    std::vector<std::vector<double>> rows;
+    std::vector<std::pair<std::size_t, bool>> edges;
+    std::size_t n_steps = 0;
+  };
+
+  /** Goes on with a programme for n committed steps and adds to the record. */
+  void go_on(Rev &rev, LaboratoryPosition &position, const std::size_t n_steps, Record &record)
+  {
+    LaboratoryObserver observer;
+    observer.observe = [&](const Observation &observation) { record.rows.push_back(list_values(observation)); };
+    std::size_t n = 0;
+    observer.committed = [&](const LaboratoryPosition &, double) {
+      ++record.n_steps;
+      return ++n == n_steps;
+    };
+    observer.stage_edge = [&](const std::size_t stage, const bool is_end) { record.edges.emplace_back(stage, is_end); };
+    record.outcome = run_programme(rev, make_programme(), LaboratoryRule{}, observer, position);
+  }
+
+  const Record &get_uninterrupted()
+  {
+    static const Record record = [] {
+      Record whole;
+      LaboratoryPosition position;
+      Rev rev = make_rev(make_weak_model(), get_packing().state);
+      go_on(rev, position, 0, whole);
+      return whole;
+    }();
+    return record;
+  }
+
+  TEST(Programme, ResumedAfterAnyStepItRepeatsEveryBit)
+  {
+    // Law: position and committed state are all that a run's future depends on: stopped after any step and gone on with
+    // in a new REV, it writes the same rows and passes the same edges of stages, once each.
+    const Record &whole = get_uninterrupted();
+    ASSERT_EQ(whole.outcome, LaboratoryOutcome::finished);
+    ASSERT_GT(whole.rows.back()[5], 0.); // grains broke by cracks
+    ASSERT_EQ(whole.edges.size(), 6u);
+    for (std::size_t n = 1; n < whole.n_steps; n += 1 + whole.n_steps / 12)
+      {
+        Record record;
+        LaboratoryPosition position;
+        Rev first = make_rev(make_weak_model(), get_packing().state);
+        go_on(first, position, n, record);
+        ASSERT_EQ(record.outcome, LaboratoryOutcome::stopped);
+        const auto bytes = serialise(first.get_committed());
+        Rev second(make_weak_model(), deserialise(bytes));
+        go_on(second, position, 0, record);
+        EXPECT_EQ(record.outcome, LaboratoryOutcome::finished);
+        EXPECT_EQ(record.rows, whole.rows) << "stopped after step " << n;
+        EXPECT_EQ(record.edges, whole.edges) << "stopped after step " << n;
+      }
+  }
+
+  TEST(Programme, ResumedAtTheEndOfAStageItGoesOnWithTheNext)
+  {
+    // Law: the step that ends a stage is a step like any other.
+    const Record &whole = get_uninterrupted();
+    Record record;
+    LaboratoryPosition position;
+    Rev first = make_rev(make_weak_model(), get_packing().state);
+    while (position.share < 1.)
+      go_on(first, position, 1, record);
+    ASSERT_EQ(position.stage, 0u);
+    Rev second(make_weak_model(), first.get_committed());
+    go_on(second, position, 0, record);
+    EXPECT_EQ(record.rows, whole.rows);
+    EXPECT_EQ(record.edges, whole.edges);
+  }
+
+  TEST(Programme, WhatContradictsItselfIsRefusedByStage)
+  {
+    // Law: one message that names the stage and what is wrong with it; a sound programme passes.
+    const auto complain = [](const std::vector<LaboratoryStage> &stages) -> std::string {
+      try
+        {
+          check_programme(stages);
+        }
+      catch (const std::invalid_argument &error)
+        {
+          return error.what();
+        }
+      return "";
+    };
+    EXPECT_EQ(complain(make_programme()), "");
+    EXPECT_NE(complain({}).find("no stage"), std::string::npos);
+    const auto expect = [&](const std::size_t stage, const std::string &what, const auto &spoil) {
+      auto stages = make_programme();
+      spoil(stages[stage]);
+      const std::string message = complain(stages);
+      EXPECT_EQ(message.rfind("stage " + std::to_string(stage + 1) + " (test): ", 0), 0u) << message;
+      EXPECT_NE(message.find(what), std::string::npos) << message;
+    };
+    expect(1, "duration", [](LaboratoryStage &stage) { stage.duration = 0.; });
+    expect(2, "duration", [](LaboratoryStage &stage) { stage.duration = std::nan(""); });
+    expect(1, "first output", [](LaboratoryStage &stage) { stage.first_output = 2e3; });
+    expect(1, "first output", [](LaboratoryStage &stage) { stage.first_output = 0.; });
+    expect(0, "stress", [](LaboratoryStage &stage) { stage.stress = -1e6; });
+    expect(0, "stress", [](LaboratoryStage &stage) { stage.kind = StageKind::isotropic, stage.stress = 0.; });
+    expect(0, "loading stage before", [](LaboratoryStage &stage) { stage.kind = StageKind::creep; });
+    expect(0, "axial strain", [](LaboratoryStage &stage) { stage.kind = StageKind::triaxial; });
+  }
+
+  TEST(Programme, ObservationsAreThoseOfTheState)
+  {
+    // Law: symmetric stress, strain, void ratios, counters of the committed state, tension-positive.
+    const RevState &state = get_loaded_state();
+    const Observation observation = observe(state, RevModel{});
+    EXPECT_EQ(observation.stress, Matrix(0.5 * (state.stress + state.stress.transpose())));
+    EXPECT_LT(observation.stress(2, 2), -9e6);
+    EXPECT_EQ(observation.strain, compute_logarithmic_strain(state.cell.deformation));
+    EXPECT_EQ(observation.void_ratio, compute_void_ratio(state));
+    EXPECT_EQ(observation.n_grains, n_grains);
+    EXPECT_DOUBLE_EQ(observation.coordination, 2. * double(state.contacts.size()) / n_grains);
+  }
+} // namespace

@@ -1,0 +1,192 @@
+#include "dem/rev.h"
+
+#include "dem/snapshot.h"
+#include "dem/splitting.h"
+#include "tests/support/rev_cases.h"
+
+#include <gtest/gtest.h>
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <limits>
+
+namespace
+{
+  using namespace rev_cases;
+
+  Rev make_loaded_rev()
+  {
+    return Rev(RevModel{}, get_loaded_state());
+  }
+
+  Matrix make_stretch()
+  {
+    Matrix stretch;
+    stretch << 0.9995, 0.0002, 0., 0.0002, 1.0001, 0.0001, 0., 0.0001, 0.999;
+    return stretch;
+  }
+
+  TEST(Rev, AStretchOfOneKeepsEveryBit)
+  {
+    // Law: a question without strain runs no cycle and returns the baseline.
+    Rev rev = make_loaded_rev();
+    rev.deform(make_stretch());
+    const RestReport report = rev.deform(Matrix::Identity());
+    EXPECT_EQ(report.status, RestStatus::at_rest);
+    EXPECT_EQ(report.n_cycles, 0u);
+    EXPECT_EQ(report.unbalanced_ratio, get_loaded_state().unbalanced_ratio);
+    EXPECT_TRUE(are_equal_bits(rev.get_trial(), get_loaded_state()));
+  }
+
+  TEST(Rev, EveryQuestionStartsAtTheBaseline)
+  {
+    // Law: the answer depends on the baseline and the question, not on the questions before; fracture is frozen.
+    Rev rev = make_loaded_rev();
+    ASSERT_EQ(rev.deform(make_stretch()).status, RestStatus::at_rest);
+    const RevState first = rev.get_trial();
+    rev.control(make_oedometer(12e6));
+    rev.deform(make_stretch());
+    EXPECT_TRUE(are_equal_bits(rev.get_trial(), first));
+    EXPECT_EQ(first.grains.size(), n_grains);
+    EXPECT_EQ(first.time, 0.);
+    EXPECT_TRUE(are_equal_bits(rev.get_baseline(), get_loaded_state()));
+    EXPECT_TRUE(are_equal_bits(rev.get_committed(), get_loaded_state()));
+  }
+
+  TEST(Rev, AcceptCommitAndRevertMoveTheRightStates)
+  {
+    // Law: accept makes the trial the baseline, commit the baseline history, revert drops baseline and trial.
+    Rev rev = make_loaded_rev();
+    rev.deform(make_stretch());
+    const RevState answer = rev.get_trial();
+    rev.accept();
+    EXPECT_TRUE(are_equal_bits(rev.get_baseline(), answer));
+    EXPECT_TRUE(are_equal_bits(rev.get_committed(), get_loaded_state()));
+    rev.revert();
+    EXPECT_TRUE(are_equal_bits(rev.get_baseline(), get_loaded_state()));
+    EXPECT_TRUE(are_equal_bits(rev.get_trial(), get_loaded_state()));
+
+    rev.deform(make_stretch());
+    rev.accept();
+    rev.commit();
+    rev.age(rev.compute_time_to_next_batch());
+    rev.revert();
+    EXPECT_TRUE(are_equal_bits(rev.get_committed(), answer));
+    EXPECT_TRUE(are_equal_bits(rev.get_baseline(), answer));
+  }
+
+  TEST(Rev, AgeingMovesTheBaselineAlone)
+  {
+    // Law: the baseline ages at frozen forces: cracks by v dt, the batch splits, time and counters go on; the rest
+    // waits for equilibrium. A REV aged to its batch breaks it, a shade earlier nothing.
+    Rev rev = make_loaded_rev();
+    const double time = rev.compute_time_to_next_batch();
+    ASSERT_LT(time, std::numeric_limits<double>::infinity());
+    EXPECT_EQ(rev.age(time * (1. - 1e-9)), 0u);
+    EXPECT_EQ(rev.get_baseline().grains.size(), n_grains);
+    rev.revert();
+    EXPECT_EQ(rev.age(time), 1u);
+    EXPECT_EQ(rev.get_baseline().grains.size(), n_grains + 13);
+    EXPECT_EQ(rev.get_baseline().time, time);
+    EXPECT_EQ(rev.get_baseline().counters.broken_delayed, 1u);
+    EXPECT_EQ(rev.get_baseline().counters.broken_instant, 0u);
+    EXPECT_EQ(rev.get_committed().grains.size(), n_grains);
+
+    ASSERT_EQ(rev.relax().status, RestStatus::at_rest);
+    EXPECT_EQ(rev.get_baseline().cell.edges, get_loaded_state().cell.edges); // at held strain
+    EXPECT_LT(rev.get_baseline().unbalanced_ratio, 1e-4);
+    EXPECT_GT(rev.get_baseline().stress(2, 2), get_loaded_state().stress(2, 2)); // a grain less to bear it
+  }
+
+  TEST(Rev, SplitsTheMostOverstressedFirstAndAtMostABatch)
+  {
+    // Law: at equilibrium F > F_lim breaks, most overstressed first, one batch at once.
+    RevState weak = get_loaded_state();
+    for (const std::size_t i : {2, 5, 9})
+      weak.grains.strength[i] = weak.grains.largest_contact_stress[i] / (1. + 0.1 * static_cast<double>(i));
+    RevModel model;
+    model.fracture.batch_limit = 2;
+    Rev rev(model, weak);
+    const std::size_t n = rev.count_overstressed();
+    ASSERT_GE(n, 3u);
+    const auto listed = list_overstressed(weak.grains, model.fracture);
+    EXPECT_EQ(rev.split_overstressed(), 2u);
+    EXPECT_EQ(rev.get_baseline().counters.broken_instant, 2u);
+    EXPECT_EQ(rev.get_baseline().grains.size(), n_grains + 26);
+    EXPECT_EQ(rev.count_overstressed(), n - 2);
+    for (const std::size_t place : {listed[0], listed[1]})
+      EXPECT_EQ(std::count(rev.get_baseline().grains.parent.begin(), rev.get_baseline().grains.parent.end(),
+                           weak.grains.id[place]),
+                n_siblings);
+  }
+
+  /** Asks all kinds of questions and answers them, from a state. */
+  RevState live_on(const RevState &state)
+  {
+    Rev rev(RevModel{}, state);
+    rev.age(rev.compute_time_to_next_batch());
+    rev.relax();
+    rev.control(make_oedometer(10e6));
+    rev.accept();
+    rev.split_overstressed();
+    rev.deform(make_stretch());
+    rev.accept();
+    return rev.get_baseline();
+  }
+
+  TEST(Rev, LivesOnFromItsBytesAsIfNothingHadHappened)
+  {
+    // Law: a REV's future depends on its state and parameters alone: through bytes and through a snapshot, bit by bit.
+    Rev rev = make_loaded_rev();
+    rev.age(rev.compute_time_to_next_batch());
+    rev.relax();
+    const RevState state = rev.get_baseline();
+    const RevState future = live_on(state);
+    ASSERT_GT(future.grains.size(), state.grains.size());
+    EXPECT_TRUE(are_equal_bits(live_on(deserialise(serialise(state))), future));
+
+    const std::string file =
+        std::filesystem::temp_directory_path() / ("slowsand_rev_" + std::to_string(getpid()) + ".h5");
+    write_snapshot(file, state, list_contacts(state, rev.get_law()), {1, 0});
+    const RevState read = read_snapshot(file).state;
+    std::filesystem::remove(file);
+    EXPECT_TRUE(are_equal_bits(live_on(read), future));
+  }
+
+  TEST(Rev, EachRevDrawsItsOwnStrengths)
+  {
+    // Law: identical packings, different REVs: other strengths and cracks for each grain; the same REV the same ones.
+    RevModel model;
+    model.identity = {5, 0};
+    const Rev first = make_rev(model, get_packing().state), again = make_rev(model, get_packing().state);
+    model.identity.rev = 1;
+    const Rev second = make_rev(model, get_packing().state);
+    EXPECT_TRUE(are_equal_bits(first.get_committed(), again.get_committed()));
+    const Grains &one = first.get_committed().grains, &other = second.get_committed().grains;
+    for (std::size_t i = 0; i < n_grains; ++i)
+      {
+        EXPECT_NE(one.strength[i], other.strength[i]);
+        EXPECT_NE(one.crack_half_length[i], other.crack_half_length[i]);
+        EXPECT_EQ(one.place[i].x, other.place[i].x);
+      }
+    EXPECT_EQ(first.get_committed().cell.deformation, Matrix::Identity());
+    EXPECT_EQ(first.get_committed().counters.next_id, n_grains);
+  }
+
+  TEST(Rev, TangentsAreThoseOfTheBaseline)
+  {
+    // Law: the affine estimate bounds the condensed one from above; neither looks at the trial.
+    Rev rev = make_loaded_rev();
+    const Tangent condensed = rev.compute_tangent(TangentKind::condensed);
+    const Tangent affine = rev.compute_tangent(TangentKind::affine);
+    for (int k = 0; k < 6; ++k)
+      EXPECT_LT(condensed(k, k), affine(k, k));
+    EXPECT_GT(condensed(2, 2), 0.);
+    rev.deform(make_stretch());
+    EXPECT_EQ(rev.compute_tangent(TangentKind::condensed), condensed);
+    rev.accept();
+    EXPECT_NE(rev.compute_tangent(TangentKind::condensed), condensed);
+  }
+} // namespace
