@@ -14,6 +14,18 @@ namespace apps
         row.add(-tensor[index[0]][index[1]]);
     }
 
+    /** The fields of a point whose names speak of a void ratio. */
+    std::vector<double> look_up_void_ratios(const fem::ConstitutiveModel &material, const fem::PointId id)
+    {
+      const std::vector<std::string> names = material.get_field_names();
+      const std::vector<double> fields = material.compute_fields(id);
+      std::vector<double> void_ratios;
+      for (std::size_t i = 0; i < names.size(); ++i)
+        if (names[i].starts_with("void ratio"))
+          void_ratios.push_back(fields[i]);
+      return void_ratios;
+    }
+
     /** All Gauss points by their numbers, on every rank. */
     template <int dim>
     std::vector<ProbeState> collect_points(const fem::QuasiStaticProblem<dim> &problem)
@@ -32,6 +44,7 @@ namespace apps
         {
           const auto id = static_cast<fem::PointId>(rows[at]);
           states[id].name = fmt::format("point_{}", id);
+          states[id].void_ratios = look_up_void_ratios(problem.get_material(), id);
           for (unsigned int m = 0; m < n_entries; ++m)
             {
               states[id].stress.access_raw_entry(m) = rows[at + 1 + m];
@@ -52,7 +65,8 @@ namespace apps
     for (const Probe &probe : output.probes)
       {
         const fem::PointState state = problem.compute_nearest_point_state(probe.position);
-        probes.push_back({probe.name, state.stress, state.strain});
+        probes.push_back(
+            {probe.name, state.stress, state.strain, look_up_void_ratios(problem.get_material(), state.id)});
       }
     if (!probes.empty())
       return probes;
@@ -77,6 +91,8 @@ namespace apps
       {
         append(name_tensor_columns(probe.name + "_stress", "_Pa"));
         append(name_tensor_columns(probe.name + "_strain", ""));
+        if (!probe.void_ratios.empty())
+          append({probe.name + "_void_ratio", probe.name + "_void_ratio_with_fines"});
       }
     append({"avalanche_rounds", "avalanche_evaluations", "residual_N", "reaction_N", "grains", "mean_void_ratio",
             "mean_void_ratio_with_fines"});
@@ -101,6 +117,8 @@ namespace apps
       {
         add_compression_positive(probe.stress, row);
         add_compression_positive(probe.strain, row);
+        for (const double void_ratio : probe.void_ratios)
+          row.add(void_ratio);
       }
     row.add(report.avalanche_rounds).add(report.avalanche_evaluations).add(report.residual).add(report.reaction_norm);
     return row.add(totals.grains).add(totals.void_ratio).add(totals.void_ratio_with_fines);

@@ -10,12 +10,13 @@
 
 namespace apps
 {
-  /** Stress and strain of a place that is written at every step. */
+  /** Stress, strain and void ratios of a place that is written at every step. */
   struct ProbeState
   {
     std::string name;
     dealii::SymmetricTensor<2, 3> stress; ///< [Pa], tension-positive
     dealii::SymmetricTensor<2, 3> strain; ///< [-], tension-positive
+    std::vector<double> void_ratios;      ///< without and with fines [-]; empty for a material without grains
   };
 
   /** Gauss points up to this number are all written when nothing else is asked for. */
