@@ -249,7 +249,7 @@ namespace apps
     bvp.rev_material.point.kinematics = bvp.elastic.kinematics = bvp.burgers.kinematics = bvp.problem.kinematics;
   }
 
-  void check_bvp_case(const BvpCase &bvp)
+  void check_bvp_case(const ParameterBinder &binder, const BvpCase &bvp)
   {
     const auto get_names = [&]() {
       return bvp.problem.geometry == fem::Geometry::three_dimensional
@@ -257,14 +257,12 @@ namespace apps
                  : fem::create_mesh<2>(bvp.mesh, bvp.problem.geometry, MPI_COMM_SELF).boundary_ids;
     };
     const auto names = as_bad_input(get_names);
-    for (const fem::BoundaryCondition &condition : bvp.conditions)
-      if (!names.contains(condition.boundary))
-        {
-          std::string known;
-          for (const auto &[name, id] : names)
-            known += (known.empty() ? "" : ", ") + name;
-          throw BadInput(fmt::format("boundary conditions: the mesh has no boundary '{}'; allowed: {}",
-                                     condition.boundary, known));
-        }
+    std::string known;
+    for (const auto &[name, id] : names)
+      known += (known.empty() ? "" : ", ") + name;
+    for (std::size_t i = 0; i < bvp.conditions.size(); ++i)
+      if (!names.contains(bvp.conditions[i].boundary))
+        binder.reject(fmt::format("Boundary conditions/Condition {}/Boundary", i + 1),
+                      fmt::format("is no boundary of the mesh; allowed: {}", known));
   }
 } // namespace apps

@@ -62,5 +62,5 @@ namespace apps
   void read_bvp_case(const ParameterFile &file, ParameterBinder &binder, BvpCase &bvp);
 
   /** What only the mesh can tell: that it can be made, and that each condition's boundary is there. Throws BadInput. */
-  void check_bvp_case(const BvpCase &bvp);
+  void check_bvp_case(const ParameterBinder &binder, const BvpCase &bvp);
 } // namespace apps

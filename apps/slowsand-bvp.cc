@@ -36,7 +36,7 @@ namespace
       std::cout << parameters.str();
     if (line.only_template)
       return 0;
-    apps::check_bvp_case(bvp);
+    apps::check_bvp_case(binder, bvp);
     if (line.only_check)
       return 0;
 
