@@ -1,0 +1,26 @@
+"""Creep curves of several runs, read at the same times."""
+
+import numpy as np
+
+from runs import RunFolder  # noqa: F401 (puts apps/ on the path)
+from plotting.run_folder import select_creep
+
+
+def sample(run, times, strain=None):
+    """Axial creep strain [-] at times [s] since the start of creep: that of the last equilibrium by then, since strain
+    moves in steps. NaN before the first row and after the last."""
+    creep = select_creep(run, strain=strain)
+    last = np.searchsorted(creep.time, np.asarray(times) * (1 + 1e-9), side="right") - 1
+    values = creep.strain[np.maximum(last, 0)].astype(float)
+    values[(last < 0) | (np.asarray(times) > creep.time[-1] * (1 + 1e-9))] = np.nan
+    return values
+
+
+def make_times(first_decade, last_decade, points_per_decade):
+    """10^first to 10^last s."""
+    return np.logspace(first_decade, last_decade, (last_decade - first_decade) * points_per_decade + 1)
+
+
+def compute_slope(times, strains):
+    """Least-squares slope of strain over log10 of time [- per decade]."""
+    return float(np.polyfit(np.log10(times), strains, 1)[0])
