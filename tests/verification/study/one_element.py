@@ -19,7 +19,7 @@ TIMES = make_times(1, 6, 1)
 
 
 def study(runs, results, options):
-    times = make_times(0, 6, 10)
+    times = make_times(0, 6, 50)
     pairs, elements, alone = [], [], []
     for seed in options.seeds:
         settings = {"Seed": seed, "Packing/Grains": GRAINS, **options.small}

@@ -40,15 +40,15 @@ class Runs:
         self.programs, self.folder, self.n_ranks = Path(programs).resolve(), Path(folder).resolve(), n_ranks
         self.folder.mkdir(parents=True, exist_ok=True)
 
-    def run(self, name, program, case, settings, n_ranks=1):
-        """RunFolder of a finished run, with its `command` and `summary`. Throws RunFailed."""
+    def run(self, name, program, case, settings, n_ranks=1, longest=LONGEST_RUN):
+        """RunFolder of a finished run, with its `command` and `summary`. Throws RunFailed, also after `longest` [s]."""
         arguments = [str(case)] + [part for key, value in settings.items() for part in ("--set", f"{key}={value}")]
         launcher = ["mpirun", "-n", str(n_ranks)] if n_ranks > 1 else []
         command = " ".join(launcher + [program] + [shlex.quote(argument) for argument in arguments])
         output = self.folder / name
         key = self._compute_key(program, case, settings, command)
         if not self._is_done(output, key):
-            self._start(launcher + [str(self.programs / program)] + arguments, output, command)
+            self._start(launcher + [str(self.programs / program)] + arguments, output, command, longest)
             self._get_key_file(output).write_text(key, encoding="utf-8")
         run = RunFolder(output)
         run.command, run.summary = command, read_summary(output)
@@ -78,15 +78,15 @@ class Runs:
         return (file.is_file() and file.read_text(encoding="utf-8") == key
                 and read_summary(output).get("status") == "finished")
 
-    def _start(self, call, output, command):
+    def _start(self, call, output, command, longest):
         self._get_key_file(output).unlink(missing_ok=True)
         shutil.rmtree(output, ignore_errors=True)
         print(f"{command}\n  -> {output}", file=sys.stderr, flush=True)
         try:
             done = subprocess.run(call + ["--output", str(output), "--quiet"], cwd=SOURCE, capture_output=True,
-                                  text=True, timeout=LONGEST_RUN, env=dict(os.environ, **ENVIRONMENT))
+                                  text=True, timeout=longest, env=dict(os.environ, **ENVIRONMENT))
         except subprocess.TimeoutExpired:
-            raise RunFailed(f"not finished within {LONGEST_RUN} s", command) from None
+            raise RunFailed(f"not finished within {longest} s", command) from None
         if done.returncode != 0:
             last = (done.stderr.strip().splitlines() or ["no message"])[-1]
             raise RunFailed(f"exit status {done.returncode}: {last}", command)
