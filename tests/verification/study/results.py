@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 from runs import RunFailed
 
+FAILURE = "a run failed"
 COLUMNS = ("point", "quantity", "value", "unit", "bound", "holds", "command")
 
 
@@ -26,7 +27,7 @@ class Results:
         self.add(point, quantity, value, unit, command, f"<= {format_number(limit)}", value <= limit)
 
     def add_failure(self, point, error):
-        self.add(point, "a run failed", str(error), "", error.command if isinstance(error, RunFailed) else "",
+        self.add(point, FAILURE, str(error), "", error.command if isinstance(error, RunFailed) else "",
                  "every run finishes", False)
 
     def write_csv(self, file):
@@ -48,6 +49,9 @@ class Results:
             lines.append("")
             lines += [f"{number}. `{command}`" for number, command in enumerate(commands, start=1)] + [""]
         file.write_text("\n".join(lines), encoding="utf-8")
+
+    def count_failures(self):
+        return sum(row[1] == FAILURE for row in self.rows)
 
     def count_broken_bounds(self):
         return sum(row[5] == "no" for row in self.rows)

@@ -52,10 +52,11 @@ def _draw(slopes, scatter):
     names = list(slopes)[::-1]
     figure, axes = style.new_figure(0.6 + 0.17 * len(names))
     mean, deviation = (100 * value for value in scatter)
-    axes.axvspan(mean - deviation, mean + deviation, color="0.88", linewidth=0)
-    axes.axvline(mean, color="0.5", linewidth=0.8)
+    axes.axvspan(mean - deviation, mean + deviation, color="0.88", linewidth=0, label="scatter over seeds")
+    axes.axvline(mean, color="0.5", linewidth=0.8, label="their mean")
     axes.plot([slopes[name] for name in names], np.arange(len(names)), "o", color=style.BLUE)
     axes.set_yticks(np.arange(len(names)), names)
     axes.set_xlim(left=0)
-    axes.set_xlabel("creep slope [% per decade]; grey: mean and\nstandard deviation over the seeds, as shipped")
+    axes.set_xlabel("creep slope [% per decade]")
+    axes.legend(loc="lower right")
     return figure
