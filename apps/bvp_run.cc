@@ -1,5 +1,7 @@
 #include "apps/bvp_run.h"
 
+#include "apps/stopwatch.h"
+
 #include "fem/checkpoint.h"
 
 #include <fmt/format.h>
@@ -11,11 +13,6 @@ namespace apps
 {
   namespace
   {
-    double measure_seconds_since(const std::chrono::steady_clock::time_point start)
-    {
-      return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    }
-
     bool is_first_rank()
     {
       return dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0;

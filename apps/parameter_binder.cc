@@ -39,7 +39,7 @@ namespace apps
       return fmt::format("{:.17g}", value);
     }
 
-    std::vector<std::string> split(const std::string &text)
+    std::vector<std::string> split_list(const std::string &text)
     {
       std::vector<std::string> parts;
       for (std::size_t begin = 0; begin <= text.size() && !text.empty();)
@@ -138,7 +138,7 @@ namespace apps
       std::vector<double> numbers;
       try
         {
-          for (const std::string &part : split(value))
+          for (const std::string &part : split_list(value))
             numbers.push_back(parse_number(part, any_number, false));
         }
       catch (const BadInput &)

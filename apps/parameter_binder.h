@@ -30,6 +30,7 @@ namespace apps
   inline constexpr Range positive{0., std::numeric_limits<double>::infinity(), true, false};
   inline constexpr Range non_negative{0.};
   inline constexpr Range share{0., 1.};
+  inline constexpr Range at_least_one{1.};
   inline constexpr Range any_number{};
 
   /**

@@ -10,8 +10,6 @@ namespace apps
 {
   namespace
   {
-    constexpr Range at_least_one{1.};
-
     void bind_grains(ParameterBinder &binder, RevParameters &parameters)
     {
       dem::GrainMaterial &material = parameters.model.material;

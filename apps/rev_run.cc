@@ -3,13 +3,13 @@
 #include "apps/history_file.h"
 #include "apps/progress.h"
 #include "apps/rev_checkpoint.h"
+#include "apps/stopwatch.h"
 
 #include "dem/packing_file.h"
 #include "dem/snapshot.h"
 
 #include <fmt/format.h>
 
-#include <chrono>
 #include <iostream>
 #include <memory>
 
@@ -17,13 +17,6 @@ namespace apps
 {
   namespace
   {
-    using Clock = std::chrono::steady_clock;
-
-    double measure_seconds_since(const Clock::time_point start)
-    {
-      return std::chrono::duration<double>(Clock::now() - start).count();
-    }
-
     std::vector<std::string> name_columns()
     {
       std::vector<std::string> columns = {"time_s", "stage", "kind", "cycles"};
@@ -184,11 +177,19 @@ namespace apps
                                   state.grains.size(), state.counters.broken_instant, state.counters.broken_delayed,
                                   state.counters.cycles, folder_.get_path()));
         if (!is_finished)
-          std::cerr << fmt::format("slowsand-rev: stage {} ({}), {:.6g} s: {}. The last state at rest is in {}; change "
-                                   "a parameter with --set and go on with --resume {}\n",
-                                   position_.stage + 1, case_.stages[position_.stage].name, state.time, summary_.status,
-                                   folder_.get_file("checkpoint.h5"), folder_.get_path());
+          std::cerr << fmt::format(
+              "slowsand-rev: stage {} ({}), {:.6g} s: {}{}. The last state at rest is in {}; change "
+              "a parameter with --set and go on with --resume {}\n",
+              position_.stage + 1, case_.stages[position_.stage].name, state.time, summary_.status,
+              describe_cause(outcome), folder_.get_file("checkpoint.h5"), folder_.get_path());
         return is_finished ? 0 : 1;
+      }
+
+      std::string describe_cause(const dem::LaboratoryOutcome outcome) const
+      {
+        return outcome == dem::LaboratoryOutcome::no_equilibrium
+                   ? fmt::format(" ({})", dem::describe(position_.last_rest))
+                   : "";
       }
 
       const RevCase &case_;

@@ -2,6 +2,7 @@
 
 #include "dem/power.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace dem
@@ -13,7 +14,8 @@ namespace dem
       const double first_scale = law.force_scale_1, second_scale = law.force_scale_2;
       const double first_length = 1. / law.dT1, second_length = 1. / (law.dT2 - law.d1);
       const double hertz_scale = 4. / 3. * law.effective_modulus, shift = law.d1 + law.d2;
-      const double smallest = 1e-100; // of its length: a touch of no depth gives no force and no 0/0
+      // Of its length: a touch of no depth gives no force, no 0/0, and a power within its range whatever the exponent.
+      const double smallest = std::exp2(-900. / std::max(law.b, law.c));
       for (std::size_t i = 0; i < block.n; ++i)
         {
           const double distance = std::sqrt(block.distance[i]);

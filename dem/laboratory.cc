@@ -147,6 +147,7 @@ namespace dem
         for (std::size_t round = 0; round < rule_.round_cap; ++round)
           {
             const RestReport report = rev_.control(compute_control(stage_, position_, step.share, rev_.get_baseline()));
+            position_.last_rest = report.status;
             if (report.status != RestStatus::at_rest)
               return step.may_be_halved ? StepOutcome::too_large : StepOutcome::no_equilibrium;
             rev_.accept();

@@ -70,6 +70,7 @@ namespace dem
     double time_in_stage = 0.; ///< [s]
     unsigned int n_cuts = 0;   ///< of the next batch
     Matrix stress_at_start = Matrix::Zero(), strain_at_start = Matrix::Zero();
+    RestStatus last_rest = RestStatus::at_rest; ///< of the last attempt: says why there was no equilibrium
   };
 
   struct LaboratoryRule

@@ -6,7 +6,7 @@ namespace fem
 {
   namespace
   {
-    EquilibriumStatus translate(Status status)
+    EquilibriumStatus to_equilibrium_status(Status status)
     {
       return status == Status::step_too_large ? EquilibriumStatus::step_too_large : EquilibriumStatus::failed;
     }
@@ -28,7 +28,7 @@ namespace fem
     const Status opening = system.linearise(refresh, current.residual);
     if (opening != Status::ok)
       {
-        result.status = translate(opening);
+        result.status = to_equilibrium_status(opening);
         return result;
       }
     try
@@ -89,7 +89,7 @@ namespace fem
         if (status != Status::ok)
           {
             if (was_refused) // one shorter try: a point may take half of a step that it refuses
-              return translate(status);
+              return to_equilibrium_status(status);
             was_refused = true;
             share *= 0.5;
             continue;

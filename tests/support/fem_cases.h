@@ -3,12 +3,26 @@
 #include "fem/elastic_material.h"
 #include "fem/load_stepping.h"
 
+#include <exception>
 #include <functional>
+#include <string>
 
 /** Small boundary value problems and materials with known answers, shared by the tests of the macro scale. */
-namespace fem_cases
+namespace fem::cases
 {
-  using namespace fem;
+  /** What a piece of work throws says; empty if it throws nothing. */
+  inline std::string get_error(const std::function<void()> &work)
+  {
+    try
+      {
+        work();
+      }
+    catch (const std::exception &error)
+      {
+        return error.what();
+      }
+    return "";
+  }
 
   constexpr double youngs_modulus = 1e9;
   constexpr double poissons_ratio = 0.25;
@@ -163,4 +177,4 @@ namespace fem_cases
     ScriptedMaterial material;
     QuasiStaticProblem<2> problem;
   };
-} // namespace fem_cases
+} // namespace fem::cases

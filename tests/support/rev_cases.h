@@ -10,10 +10,8 @@
 #include <string>
 #include <vector>
 
-namespace rev_cases
+namespace dem::cases
 {
-  using namespace dem;
-
   inline constexpr double radius = 0.1e-3; ///< of hand-made grains [m]
 
   /** Small enough for seconds, wide enough for the grading's largest grain after compression. */
@@ -106,4 +104,4 @@ namespace rev_cases
       state.grains.place[i] = {0.5, 0.5, (i + 0.5) / 3., radius};
     return state;
   }
-} // namespace rev_cases
+} // namespace dem::cases

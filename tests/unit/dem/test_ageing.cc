@@ -8,7 +8,8 @@
 
 namespace
 {
-  using namespace rev_cases;
+  using namespace dem;
+  using namespace dem::cases;
 
   /** Grains with cracks a [radii] and crack velocities [radii/s]; ids run against the order of places. */
   Grains make_cracked(const std::vector<double> &cracks, const std::vector<double> &velocities)

@@ -12,7 +12,8 @@
 
 namespace
 {
-  using namespace rev_cases;
+  using namespace dem;
+  using namespace dem::cases;
 
   std::vector<Contact> list(const RevState &state)
   {

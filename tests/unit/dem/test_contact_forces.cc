@@ -9,7 +9,8 @@
 
 namespace
 {
-  using namespace rev_cases;
+  using namespace dem;
+  using namespace dem::cases;
 
   Vector draw_direction(std::mt19937_64 &random)
   {

@@ -11,7 +11,8 @@
 
 namespace
 {
-  using namespace rev_cases;
+  using namespace dem;
+  using namespace dem::cases;
   using Pair = std::pair<std::uint32_t, std::uint32_t>;
 
   /** Grains thrown into a cell with edges of some size [radii] that lean by given shares of each other. */

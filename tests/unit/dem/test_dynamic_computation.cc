@@ -9,7 +9,8 @@
 
 namespace
 {
-  using namespace rev_cases;
+  using namespace dem;
+  using namespace dem::cases;
 
   constexpr double overlap = 1e-2 * radius;
 

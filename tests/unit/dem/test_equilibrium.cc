@@ -10,7 +10,8 @@
 
 namespace
 {
-  using namespace rev_cases;
+  using namespace dem;
+  using namespace dem::cases;
 
   /** Mean resultant on a grain over mean normal force, from the reference law and the listed contacts. */
   double compute_unbalanced_ratio(const RevState &state)

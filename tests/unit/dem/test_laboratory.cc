@@ -9,7 +9,8 @@
 
 namespace
 {
-  using namespace rev_cases;
+  using namespace dem;
+  using namespace dem::cases;
 
   /** A sand weak enough to break a few of its grains in short tests. */
   RevModel make_weak_model()

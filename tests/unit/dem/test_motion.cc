@@ -9,7 +9,8 @@
 
 namespace
 {
-  using namespace rev_cases;
+  using namespace dem;
+  using namespace dem::cases;
 
   Forces make_forces(const std::size_t n, const Row &force)
   {

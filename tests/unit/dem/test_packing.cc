@@ -7,7 +7,8 @@
 
 namespace
 {
-  using namespace rev_cases;
+  using namespace dem;
+  using namespace dem::cases;
 
   TEST(Packing, HoldsItsPressureAtRest)
   {

@@ -12,7 +12,8 @@
 
 namespace
 {
-  using namespace rev_cases;
+  using namespace dem;
+  using namespace dem::cases;
 
   /** A file of this test alone, gone with it. */
   class PackingFile : public testing::Test

@@ -11,7 +11,8 @@
 
 namespace
 {
-  using namespace rev_cases;
+  using namespace dem;
+  using namespace dem::cases;
 
   RevModel make_weak_model()
   {

@@ -14,7 +14,8 @@
 
 namespace
 {
-  using namespace rev_cases;
+  using namespace dem;
+  using namespace dem::cases;
 
   Rev make_loaded_rev()
   {

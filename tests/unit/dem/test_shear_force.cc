@@ -13,7 +13,8 @@
 
 namespace
 {
-  using namespace rev_cases;
+  using namespace dem;
+  using namespace dem::cases;
 
   constexpr double overlap = 2e-2 * radius;
 

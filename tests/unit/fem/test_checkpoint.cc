@@ -7,7 +7,8 @@
 
 #include <filesystem>
 
-using namespace fem_cases;
+using namespace fem;
+using namespace fem::cases;
 
 namespace
 {
@@ -65,19 +66,6 @@ namespace
     QuasiStaticProblem<2> problem;
     LoadStepping<2> stepping;
   };
-
-  std::string get_error(const std::function<void()> &work)
-  {
-    try
-      {
-        work();
-      }
-    catch (const std::runtime_error &error)
-      {
-        return error.what();
-      }
-    return "";
-  }
 } // namespace
 
 TEST_F(Checkpoint, AResumedRunIsTheUninterruptedOneToTheLastBit)

@@ -7,7 +7,8 @@
 #include <fstream>
 #include <sstream>
 
-using namespace fem_cases;
+using namespace fem;
+using namespace fem::cases;
 
 namespace
 {

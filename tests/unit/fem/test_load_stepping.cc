@@ -2,7 +2,8 @@
 
 #include <gtest/gtest.h>
 
-using namespace fem_cases;
+using namespace fem;
+using namespace fem::cases;
 
 namespace
 {

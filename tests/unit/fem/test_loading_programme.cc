@@ -3,23 +3,11 @@
 
 #include <gtest/gtest.h>
 
-using namespace fem_cases;
+using namespace fem;
+using namespace fem::cases;
 
 namespace
-{
-  std::string get_error(const std::function<void()> &work)
-  {
-    try
-      {
-        work();
-      }
-    catch (const std::exception &error)
-      {
-        return error.what();
-      }
-    return "";
-  }
-} // namespace
+{} // namespace
 
 TEST(LoadingProgramme, CreepMilestonesAreThoseOfAllSeriesInOrder)
 {

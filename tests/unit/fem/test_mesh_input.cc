@@ -7,7 +7,8 @@
 #include <filesystem>
 #include <fstream>
 
-using namespace fem_cases;
+using namespace fem;
+using namespace fem::cases;
 
 namespace
 {

@@ -5,7 +5,8 @@
 
 #include <complex>
 
-using namespace fem_cases;
+using namespace fem;
+using namespace fem::cases;
 
 // Oedometer creep of a Burgers material with elastic bulk. With D = d/dt the deviatoric law is s = 2 G(D) e,
 //   1/G(D) = 1/G_m + 1/(eta_m D) + 1/(G_k + eta_k D);

@@ -4,7 +4,8 @@
 
 #include <gtest/gtest.h>
 
-using namespace fem_cases;
+using namespace fem;
+using namespace fem::cases;
 
 // Thick cylinder under inner pressure in plane strain (Lame): u = (p a^2 / (b^2 - a^2)) (1 + nu)/E ((1 - 2 nu) r +
 // b^2/r).

@@ -2,7 +2,8 @@
 
 #include <gtest/gtest.h>
 
-using namespace fem_cases;
+using namespace fem;
+using namespace fem::cases;
 using dealii::Tensor;
 
 // A uniform deformation prescribed on the whole boundary of a distorted mesh must be met at every Gauss point.

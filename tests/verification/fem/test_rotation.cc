@@ -4,7 +4,8 @@
 
 #include <gtest/gtest.h>
 
-using namespace fem_cases;
+using namespace fem;
+using namespace fem::cases;
 using dealii::SymmetricTensor;
 using dealii::Tensor;
 
