@@ -1,6 +1,3 @@
-// GCC 12 sees uninitialised values in its own AVX-512 header wherever Eigen uses it.
-#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
-
 #include "dem/homogenisation.h"
 
 #include <Eigen/Geometry>
