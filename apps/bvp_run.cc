@@ -107,9 +107,14 @@ namespace apps
     write_snapshots("end");
     const bool is_finished = result.status == fem::StepStatus::ok;
     write_summary(is_finished ? "finished" : result.message);
-    if (!is_finished && is_first_rank_)
-      std::cerr << "slowsand-bvp: " + result.message + "\n" << std::flush;
-    return is_finished ? 0 : 1;
+    if (is_finished)
+      return 0;
+    fem::write_checkpoint(folder_.get_file("checkpoint.h5"), *problem_, stepping_->get_progress());
+    if (is_first_rank_)
+      std::cerr << fmt::format("slowsand-bvp: {}, in {}; change a parameter with --set and go on with --resume {}\n",
+                               result.message, folder_.get_file("checkpoint.h5"), folder_.get_path())
+                << std::flush;
+    return 1;
   }
 
   template <int dim>
