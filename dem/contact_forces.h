@@ -33,7 +33,7 @@ namespace dem
   };
 
   /**
-   * The hot loop: forces of all touching pairs, their shear history brought up to date (docs/theory.md Eq. 8-11).
+   * The hot loop: forces of all touching pairs, their shear history brought up to date (docs/theory.md Eq. 12-13).
    *
    * Relative displacement at a contact: (v_b - v_a) dt + L dt (x_b - x_a) plus the spins' part. The shear force turns
    * with the contact plane (and with the grains' mean spin about the normal when they turn), grows by kt du_t with the
