@@ -46,7 +46,9 @@ class BadInput(unittest.TestCase):
 
     def expect_refusal(self, result, *words):
         self.assertEqual(result.returncode, 2, result.stderr)
-        self.assertEqual(len(result.stderr.strip().splitlines()), 1, result.stderr)
+        # Where /sys is not mounted (a bare chroot), Open MPI's hwloc speaks first; the rest is ours and is one line.
+        lines = [line for line in result.stderr.strip().splitlines() if not line.startswith("[hwloc/")]
+        self.assertEqual(len(lines), 1, result.stderr)
         for word in words:
             self.assertIn(word, result.stderr)
 
