@@ -8,8 +8,6 @@ namespace coupling
 {
   namespace
   {
-    constexpr double rounding_of_stretch = 1e-14;
-
     dealii::SymmetricTensor<4, 3> compute_trial_tangent(const dem::Rev &rev, const dem::TangentKind kind)
     {
       dem::Rev moved = rev;
@@ -35,9 +33,7 @@ namespace coupling
       turn = to_matrix(fem::decompose_polar(deformation_increment).rotation);
     const dem::Matrix unrotated = turn.transpose() * increment;
     // The strain alone is turned, so that no strain stays none to the last bit.
-    dem::Matrix strain = 0.5 * (unrotated + unrotated.transpose()) - dem::Matrix::Identity();
-    if (strain.cwiseAbs().maxCoeff() < rounding_of_stretch)
-      strain.setZero();
+    const dem::Matrix strain = 0.5 * (unrotated + unrotated.transpose()) - dem::Matrix::Identity();
     const dem::Matrix turned = baseline_rotation.transpose() * strain * baseline_rotation;
     return {dem::Matrix::Identity() + 0.5 * (turned + turned.transpose()), turn * baseline_rotation};
   }

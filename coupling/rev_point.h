@@ -15,8 +15,8 @@ namespace coupling
   };
 
   /**
-   * Splits an increment since the baseline: dF = dR dU, stretch Q0^T dU Q0, Q = dR Q0. A stretch within 1e-14 of one,
-   * the rounding of its own computation, is one: then no cycle runs. Small kinematics: dU = sym(dF), dR = 1.
+   * Splits an increment since the baseline: dF = dR dU, stretch Q0^T dU Q0, Q = dR Q0. Small kinematics: dU = sym(dF),
+   * dR = 1.
    *
    * @param baseline_rotation  Q0. @pre det dF > 0
    */

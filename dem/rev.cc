@@ -14,18 +14,43 @@ namespace dem
         radii[i] = grains.place[i].w;
       return radii;
     }
+
+    /**
+     * Deformation gradients at which a cell is brought to rest are multiples of this [-]. It lies far above the
+     * rounding of what a caller computes, so that two ways of computing one strain get the same bits, and is worth
+     * about 1e-10 of the stress (docs/theory.md, section 8).
+     */
+    constexpr double deformation_grid = 0x1p-34;
+
+    Matrix round_to_grid(const Matrix &deformation)
+    {
+      return (deformation / deformation_grid).array().round().matrix() * deformation_grid;
+    }
+
+    /** What takes the cell from the grid's point at its deformation to that at `asked`; exactly one if they are one. */
+    Matrix compute_stretch_on_grid(const Matrix &deformation, const Matrix &asked)
+    {
+      const Matrix from = round_to_grid(deformation), to = round_to_grid(asked);
+      return from == to ? Matrix(Matrix::Identity()) : Matrix(to * from.inverse());
+    }
   } // namespace
 
   Rev::Rev(const RevModel &model, const RevState &state)
       : model_(model), law_(make_contact_law(model.material)), committed_(state), baseline_(state), trial_(state)
   {}
 
-  RestReport Rev::bring_to_rest(RevState &state, const CellControl &control) const
+  RestReport Rev::bring_to_rest(RevState &state, CellControl control) const
   {
+    const bool is_strained = !control.has_servo();
+    const Matrix asked = control.stretch * state.cell.deformation;
+    if (is_strained)
+      control.stretch = compute_stretch_on_grid(state.cell.deformation, asked);
     const RestRule rule{law_, model_.dynamics, model_.equilibrium};
     const RestReport report = model_.dynamics.motion.has_true_masses
                                   ? run_dynamic_computation(state, rule, {model_.fracture, model_.identity}, control)
                                   : dem::bring_to_rest(state, rule, control);
+    if (is_strained)
+      state.cell.deformation = asked; // so that what the grid leaves out never adds up
     if (report.status == RestStatus::at_rest)
       update_crack_velocities(state.grains, list_contacts(state, law_), model_.fracture);
     return report;
@@ -34,8 +59,11 @@ namespace dem
   RestReport Rev::deform(const Matrix &stretch)
   {
     trial_ = baseline_;
-    if (stretch == Matrix::Identity())
+    const Matrix &deformation = baseline_.cell.deformation;
+    const Matrix asked = stretch * deformation;
+    if (compute_stretch_on_grid(deformation, asked) == Matrix::Identity())
       {
+        trial_.cell.deformation = asked;
         RestReport report;
         report.unbalanced_ratio = trial_.unbalanced_ratio;
         return report;

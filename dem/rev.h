@@ -29,6 +29,9 @@ namespace dem
    * trial: the answer to the last question, which always starts at the baseline. With scaled masses fracture is frozen
    * in every question; only age() and split_overstressed() break grains, and both do so in the baseline. With true
    * masses a question is a dynamic computation: time passes, cracks grow and grains break in the trial.
+   *
+   * Where only strains are prescribed, the cell's deformation gradient is rounded to multiples of 2^-34: strains that
+   * differ by rounding alone are answered by the same bits. `cell.deformation` keeps what was asked.
    */
   class Rev
   {
@@ -36,7 +39,8 @@ namespace dem
     /** All three states are `state`. */
     Rev(const RevModel &model, const RevState &state);
 
-    /** Trial = baseline strained by a symmetric stretch at rest again. A stretch of exactly one keeps every bit. */
+    /** Trial = baseline strained by a symmetric stretch, at rest again. A stretch that the grid does not tell from one
+     *  runs no cycle and keeps every bit of the grains. */
     RestReport deform(const Matrix &stretch);
 
     /** Trial = baseline with the given components held at stresses or strained, at rest again. */
@@ -79,7 +83,7 @@ namespace dem
     void set_trial_rotation(const Matrix &rotation) { trial_.rotation = rotation; }
 
   private:
-    RestReport bring_to_rest(RevState &state, const CellControl &control) const;
+    RestReport bring_to_rest(RevState &state, CellControl control) const;
 
     RevModel model_;
     ContactLaw law_;

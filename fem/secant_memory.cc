@@ -4,8 +4,9 @@ namespace fem
 {
   namespace
   {
-    // Below this share of its length a step counts as a combination of newer ones.
-    constexpr double dependence = 1e-8;
+    // Below this share of its length a correction counts as a combination of newer ones: what is left of it is the
+    // noise of evaluations that come to rest only so far, and the fit would divide by it.
+    constexpr double dependence = 1e-2;
   } // namespace
 
   bool SecantMemory::learn(const SecantPair &pair)

@@ -1,8 +1,8 @@
 """Law: with the macro problem distributed over the ranks and solved iteratively, the history is that of the direct
-solver on every rank: to the linear solver's tolerance in the first increment, to Newton's until the first fracture.
+solver on every rank, to the linear solver's tolerance, until the first fracture.
 
-Later increments are compared as two solutions of the same equations, by the residual that Newton accepts. They do not agree to
-the linear solver's tolerance, although nothing slides here; why is not known yet.
+Grains slide here (Table 1's friction, rest by the default criterion): a REV answers strains that differ by rounding with the
+same bits, and nearly dependent secant pairs are left out, so that neither makes much of the last digits.
 """
 
 import argparse
@@ -16,18 +16,13 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 import small_case  # noqa: E402
 
-# The linear solver stops at 1e-10 of its right-hand side; Newton's few iterations and the REVs pass on some ten times
-# that, and the table has ten digits.
-FIRST_TOLERANCE = 1e-8
-# Either run may be off by Newton's 1e-3 of the reaction, to either side.
-NEWTON_TOLERANCE = 2e-3
+# The linear solver stops at 1e-10 of its right-hand side; the table has ten digits.
+TOLERANCE = 1e-9
 
 
 def write_case(folder):
     case = Path(folder) / "two_elements.prm"
     text = small_case.CASE.replace("set Height = 0.02", "set Height = 0.02\n  set Cells = 1, 1, 2")
-    text += "subsection Grains\n  set Friction = 10\nend\n"
-    text += "subsection Equilibrium\n  set Unbalanced ratio = 1e-8\nend\n"
     text += "subsection Strength\n  set Reference strength = 8e9\nend\n"  # several increments without a fracture
     case.write_text(text, encoding="utf-8")
     return case
@@ -74,12 +69,10 @@ def main():
             raise AssertionError(f"{len(one)} of {n_rows} rows before the first fracture: nothing to compare")
         if len(one) != len(two):
             raise AssertionError(f"first fracture after {len(one)} rows and after {len(two)}")
-        for label, n, tolerance in (("the first increment", 2, FIRST_TOLERANCE),
-                                    ("all until the first fracture", len(one), NEWTON_TOLERANCE)):
-            worst, name = compare(one[:n], two[:n])
-            print(f"{label}, {n} rows: {worst:.1e} at most ({name})")
-            if not 0 <= worst <= tolerance:
-                raise AssertionError(f"more than {tolerance:g}")
+        worst, name = compare(one, two)
+        print(f"until the first fracture, {len(one)} rows: {worst:.1e} at most ({name or 'no column'})")
+        if not 0 <= worst <= TOLERANCE:
+            raise AssertionError(f"more than {TOLERANCE:g}")
 
 
 if __name__ == "__main__":

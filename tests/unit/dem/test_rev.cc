@@ -41,6 +41,30 @@ namespace
     EXPECT_TRUE(are_equal_bits(rev.get_trial(), get_loaded_state()));
   }
 
+  TEST(Rev, StrainsThatDifferByRoundingGetTheSameBits)
+  {
+    // Law: the strain of a cell lies on a grid; what the grid leaves out is kept in the deformation and never adds up.
+    constexpr double grid = 0x1p-34;
+    Rev one = make_loaded_rev(), other = make_loaded_rev();
+    const Matrix rounding = Matrix::Constant(1e-15);
+    one.deform(make_stretch());
+    other.deform(make_stretch() + rounding);
+    EXPECT_TRUE(one.get_trial().stress == other.get_trial().stress);
+    EXPECT_LT((other.get_trial().cell.deformation - one.get_trial().cell.deformation - rounding).norm(), 1e-15);
+
+    // Ten strains of a fifth of the grid each move the cell twice as far as the grid, in some of the questions only.
+    const Matrix fifth = Matrix::Identity() + 0.2 * grid * Matrix::Identity();
+    const double width = one.get_baseline().cell.edges(0, 0);
+    unsigned int n_moves = 0;
+    for (unsigned int k = 0; k < 10; ++k)
+      {
+        n_moves += one.deform(fifth).n_cycles > 0;
+        one.accept();
+      }
+    EXPECT_EQ(n_moves, 2u);
+    EXPECT_NEAR(one.get_baseline().cell.edges(0, 0) / width - 1., 2 * grid, 0.01 * grid); // rounding 1e-16
+  }
+
   TEST(Rev, EveryQuestionStartsAtTheBaseline)
   {
     // Law: the answer depends on the baseline and the question, not on the questions before; fracture is frozen.

@@ -185,15 +185,16 @@ namespace
   TEST(ShearForce, TurnsWithAPairThatTurnsInAPlaneThroughItsBranch)
   {
     // Law: objectivity. Turned by R up to 60 degrees about an axis across the branch, t becomes R t and keeps its size.
-    // Each step errs by its cube, so the whole by the square of the step; what is left is a displacement of
-    // angle step^2 / 6 branches, as a force over t: the leading term itself, so rounding decides its last digits.
-    constexpr double rounding = 1e-6; // of it: a thousand roundings of 1e-16 against some 1e-6
+    // A step of angle h moves the contact by the chord, sin h branches along the new contact plane, and its spins by h:
+    // an error of (h - sin h) branches a step, as a force over t. Tolerance: rounding, 1e-16 of h against
+    // h^3/6 with h no less than 2e-4 rad, and room.
     for (const double angle : {10. * degree, 60. * degree})
-      {
-        const Turned coarse = turn_pair(angle, Vector::UnitZ(), 1000), fine = turn_pair(angle, Vector::UnitZ(), 2000);
-        EXPECT_LT(coarse.error, angle * std::pow(angle / 1000., 2) / 6. * compute_branch_force() * (1. + rounding));
-        EXPECT_NEAR(fine.error / coarse.error, 0.25, 0.01);
-      }
+      for (const int n_steps : {500, 1000})
+        {
+          const double step = angle / n_steps;
+          const double foretold = n_steps * (step - std::sin(step)) * compute_branch_force();
+          EXPECT_NEAR(turn_pair(angle, Vector::UnitZ(), n_steps).error, foretold, 1e-6 * foretold);
+        }
   }
 
   TEST(ShearForce, TurnsWithAPairThatTurnsAboutAnyAxis)

@@ -82,7 +82,9 @@ namespace
         const RevState &after = rev.get_trial();
         const Matrix mean =
             0.5 * (before.cell.compute_volume() * before.stress + after.cell.compute_volume() * after.stress);
-        const Matrix strain = (Matrix::Identity() + step).diagonal().array().log().matrix().asDiagonal();
+        // What the cell did, not what was asked: the grid of strains, 6e-11, is some 1e-6 of a step.
+        const Matrix stretch = after.cell.edges * before.cell.edges.inverse();
+        const Matrix strain = stretch.diagonal().array().log().matrix().asDiagonal();
         const double work = mean.cwiseProduct(strain).sum();
         const double stored = compute_stored_energy(after) - compute_stored_energy(before);
         // The trapezoid's error is (d stress/stress)^2/12, some 1e-7 here; energies differ in their tenth digit.
