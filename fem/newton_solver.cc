@@ -6,6 +6,8 @@ namespace fem
 {
   namespace
   {
+    constexpr unsigned int max_setbacks = 2; ///< of corrections by secants, on the way to one lower residual
+
     EquilibriumStatus to_equilibrium_status(Status status)
     {
       return status == Status::step_too_large ? EquilibriumStatus::step_too_large : EquilibriumStatus::failed;
@@ -68,7 +70,8 @@ namespace fem
   }
 
   // Tries corrections until one lowers the residual. The one that does is the last that the material has evaluated, as
-  // settling requires.
+  // settling requires. A pair can mislead where grains have broken since, and what its setbacks show be of no use: then
+  // no share of its correction helps, but one of the tangent's does.
   EquilibriumStatus NewtonSolver::find_better(NonlinearSystem &system, SecantMemory &secants, Iterate &current,
                                               unsigned int &n_evaluations) const
   {
@@ -95,13 +98,16 @@ namespace fem
             continue;
           }
         trial.condensed_norm = system.compute_condensed_norm(trial.residual);
-        const bool has_learned = secants.learn(compute_pair(current, trial));
-        if (trial.condensed_norm <= current.condensed_norm)
+        const bool is_better = trial.condensed_norm <= current.condensed_norm;
+        const bool has_learned =
+            (is_better || n_setbacks < max_setbacks) && secants.learn(compute_pair(current, trial));
+        if (is_better)
           {
             current = trial;
             return EquilibriumStatus::converged;
           }
-        ++n_setbacks;
+        if (++n_setbacks == max_setbacks)
+          secants.forget();
         share = has_learned && n_setbacks == 1 ? 1. : 0.5 * share;
       }
     return EquilibriumStatus::no_convergence;

@@ -79,8 +79,10 @@ namespace fem
    * Quasi-Newton solver for materials whose evaluation is dear: J0 from the tangent at the baseline, its factors kept,
    * and secant corrections of its inverse learned from every evaluation, failed ones included.
    *
-   * A point at which the residual has grown is left again, but what it taught stays. The total secant pair of the last
-   * equilibria serves as predictor of the next one; it is part of the state (get_memory) and follows commit and revert.
+   * A point at which the residual has grown is left again, but what it taught stays; after the second one in a row all
+   * secants are forgotten, and shorter and shorter shares of J0's own correction are tried. The total secant pair of
+   * the last equilibria serves as predictor of the next one; it is part of the state (get_memory) and follows commit
+   * and revert.
    */
   class NewtonSolver
   {

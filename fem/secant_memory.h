@@ -44,6 +44,9 @@ namespace fem
     /** Learns from a pair; false: it was of no use (see largest_softening, or a zero step). */
     bool learn(const SecantPair &pair);
 
+    /** Goes back to J0. */
+    void forget() { terms_.clear(); }
+
     /** direction = H r, H the corrected inverse. */
     void apply(const Vector &residual, Vector &direction) const;
 

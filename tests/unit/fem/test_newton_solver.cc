@@ -25,6 +25,41 @@ namespace
     return result;
   }
 
+  /**
+   * Two unknowns with residual K x - f, K = [1 2; 0 1], and the unit matrix as tangent. A push along x was answered
+   * along y once; K has lost that.
+   */
+  class SystemThatHasChanged : public NonlinearSystem
+  {
+  public:
+    Status linearise(bool, Vector &residual) override { return compute_residual(create_vector(), residual); }
+    Status evaluate(const Vector &increment, Vector &residual) override
+    {
+      return compute_residual(increment, residual);
+    }
+    void solve_linearised(const Vector &residual, Vector &solution) override { solution = residual; }
+    void impose_boundary(Vector &) const override {}
+    double compute_condensed_norm(const Vector &residual) override { return residual.l2_norm(); }
+    double compute_norm(const Vector &residual) const override { return residual.l2_norm(); }
+    double compute_force_scale() const override { return 1.; }
+    Vector create_vector() const override { return Vector(dealii::complete_index_set(2), MPI_COMM_SELF); }
+
+    Vector create_vector(double x, double y) const
+    {
+      Vector vector = create_vector();
+      vector[0] = x;
+      vector[1] = y;
+      return vector;
+    }
+
+  private:
+    Status compute_residual(const Vector &increment, Vector &residual) const
+    {
+      residual = create_vector(increment[0] + 2. * increment[1] - 1., increment[1]);
+      return Status::ok;
+    }
+  };
+
   class Secants : public ::testing::TestWithParam<SecantKind>
   {};
 } // namespace
@@ -72,6 +107,24 @@ TEST_P(Secants, LearnFromAnOvershoot)
   const NewtonResult result = load(oedometer, 2e6);
   EXPECT_EQ(result.status, EquilibriumStatus::converged);
   EXPECT_EQ(result.evaluations, 2u);
+}
+
+TEST_P(Secants, ThatMisleadAreForgotten)
+{
+  // Law: where no share of the secants' correction lowers the residual and none teaches better, the tangent's does.
+  // By hand: H f = (1, -1) and K H f = (-1, -1), so that every share takes |r|^2 from 1 to (1 + a)^2 + a^2; the pair
+  // that this shows is too soft to be learned. The tangent's correction f = (1, 0) is the answer.
+  SystemThatHasChanged system;
+  NewtonParameters parameters;
+  parameters.tolerance = 1e-12; // a linear system is met to rounding
+  parameters.secant.kind = GetParam();
+  NewtonSolver solver(parameters);
+  solver.set_memory({{system.create_vector(1., 0.), system.create_vector(1., 1.)}});
+  Vector increment = system.create_vector();
+  const NewtonResult result = solver.solve(system, increment, true);
+  EXPECT_EQ(result.status, EquilibriumStatus::converged);
+  EXPECT_NEAR(increment[0], 1., 1e-12);
+  EXPECT_NEAR(increment[1], 0., 1e-12);
 }
 
 INSTANTIATE_TEST_SUITE_P(NewtonSolver, Secants, ::testing::Values(SecantKind::broyden, SecantKind::anderson));
