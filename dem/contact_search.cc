@@ -1,0 +1,328 @@
+#include "dem/contact_search.h"
+
+#include "dem/contact_network.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+namespace dem
+{
+  namespace
+  {
+    constexpr std::size_t levels_cap = 24;      ///< a size ratio of ten millions
+    constexpr double boxes_per_grain = 2.;      ///< more would be empty ones, to be walked over in vain
+    constexpr double rounding_room = 1. + 1e-9; ///< in fractions of the cell, so that no box is missed by a last bit
+
+    constexpr int hilbert_side = 1024; ///< steps along the longest edge; three times ten bits make a key
+
+    /** Into [0, 1]. */
+    double wrap(const double fraction)
+    {
+      return fraction - std::floor(fraction);
+    }
+
+    /** The step of n in which a wrapped fraction lies; the first for what is not a number: the run will say so, the
+     *  arrays must hold until then. */
+    int locate(const double wrapped, const double n)
+    {
+      return wrapped >= 0. ? static_cast<int>(std::min(wrapped * n, n - 1.)) : 0;
+    }
+
+    int divide_down(const int value, const int divisor)
+    {
+      return value >= 0 ? value / divisor : -((divisor - 1 - value) / divisor);
+    }
+
+    /** How far along Hilbert's curve a cube lies (Skilling, AIP Conf. Proc. 707, 2004: axes to transpose). */
+    std::uint32_t compute_hilbert_key(std::array<int, 3> at)
+    {
+      for (int bit = hilbert_side / 2; bit > 1; bit /= 2) // undo the turns of the finer curves
+        for (int &coordinate : at)
+          if (coordinate & bit)
+            at[0] ^= bit - 1;
+          else
+            {
+              const int swapped = (at[0] ^ coordinate) & (bit - 1);
+              at[0] ^= swapped;
+              coordinate ^= swapped;
+            }
+      at[1] ^= at[0]; // Gray code
+      at[2] ^= at[1];
+      int flips = 0;
+      for (int bit = hilbert_side / 2; bit > 1; bit /= 2)
+        if (at[2] & bit)
+          flips ^= bit - 1;
+      std::uint32_t key = 0;
+      for (int bit = hilbert_side / 2; bit > 0; bit /= 2)
+        for (const int coordinate : at)
+          key = 2 * key + (((coordinate ^ flips) & bit) ? 1 : 0);
+      return key;
+    }
+  } // namespace
+
+  void ContactSearch::Spheres::resize(const std::size_t n)
+  {
+    for (auto *values : {&x, &y, &z, &radius})
+      values->resize(n);
+    grain.resize(n);
+  }
+
+  const std::vector<NearPair> &ContactSearch::list_near_pairs(const Cell &cell, const std::vector<Row> &place,
+                                                              const double skin)
+  {
+    cell_ = cell;
+    skin_ = skin;
+    const Matrix inverse = cell.edges.inverse();
+    for (int k = 0; k < 3; ++k)
+      per_length_[k] = inverse.row(k).norm() * rounding_room;
+    // A coordinate is rounded as position, as shifted position and as difference, each by half a last bit of numbers no
+    // larger than three cells: below 8 bits of the cell in all, and the square roots of three of them.
+    margin_ = 16. * std::numeric_limits<float>::epsilon() * cell.edges.colwise().norm().sum();
+    update_levels(place);
+    assert(is_wide_enough(cell, 2. * levels_[0].largest_radius + skin));
+    update_boxes();
+    sort_into_boxes(place);
+    found_.clear();
+    for (std::size_t level = 0; level < levels_.size(); ++level)
+      search_from_level(level, place);
+    sort_pairs(place.size());
+    return pairs_;
+  }
+
+  void ContactSearch::update_levels(const std::vector<Row> &place)
+  {
+    double largest = 0., smallest = std::numeric_limits<double>::infinity();
+    for (const Row &row : place)
+      {
+        largest = std::max(largest, row.w);
+        smallest = std::min(smallest, row.w);
+      }
+    const double octaves = largest > 0. && smallest > 0. ? std::log2(largest / smallest) : double(levels_cap);
+    const double n_levels = std::clamp(std::rint(octaves), 1., double(levels_cap));
+    const double ratio = std::exp2(-std::min(octaves, double(levels_cap)) / n_levels);
+    levels_.assign(static_cast<std::size_t>(n_levels), Level());
+    smallest_.clear();
+    for (Level &level : levels_)
+      {
+        level.largest_radius = largest;
+        smallest_.push_back(largest *= ratio);
+      }
+    smallest_.pop_back(); // the last level takes all that is smaller
+    for (const Row &row : place)
+      ++levels_[find_level(row.w)].n_grains;
+  }
+
+  std::size_t ContactSearch::find_level(const double radius) const
+  {
+    std::size_t level = 0;
+    for (const double smallest : smallest_)
+      level += radius < smallest;
+    return level;
+  }
+
+  void ContactSearch::update_boxes()
+  {
+    const double volume = 1. / (per_length_[0] * per_length_[1] * per_length_[2]);
+    std::uint32_t first_box = 0;
+    for (Level &level : levels_)
+      {
+        const double reach = 2. * level.largest_radius + skin_;
+        const double width = std::max(reach, std::cbrt(volume / (boxes_per_grain * (level.n_grains + 1.))));
+        for (int k = 0; k < 3; ++k)
+          level.n[k] = static_cast<int>(std::max(1., std::min(1. / (per_length_[k] * width), 1e6)));
+        level.first_box = first_box;
+        first_box += level.get_n_boxes();
+      }
+    start_.assign(first_box + 1, 0);
+  }
+
+  std::uint32_t ContactSearch::find_box(const Row &place) const
+  {
+    const Level &level = levels_[find_level(place.w)];
+    const int i = locate(wrap(place.x), level.n[0]), j = locate(wrap(place.y), level.n[1]),
+              k = locate(wrap(place.z), level.n[2]);
+    return level.first_box + static_cast<std::uint32_t>((k * level.n[1] + j) * level.n[0] + i);
+  }
+
+  void ContactSearch::sort_into_boxes(const std::vector<Row> &place)
+  {
+    const std::size_t n_grains = place.size();
+    box_.resize(n_grains);
+    sorted_.resize(n_grains);
+    for (std::size_t i = 0; i < n_grains; ++i)
+      {
+        box_[i] = find_box(place[i]);
+        ++start_[box_[i]];
+      }
+    std::partial_sum(start_.begin(), start_.end(), start_.begin());
+    for (std::size_t i = n_grains; i-- > 0;) // backwards, as each box is filled from its end
+      {
+        const Row &row = place[i];
+        const Vector position = cell_.edges * Vector(wrap(row.x), wrap(row.y), wrap(row.z));
+        const std::uint32_t to = --start_[box_[i]];
+        sorted_.x[to] = static_cast<float>(position.x());
+        sorted_.y[to] = static_cast<float>(position.y());
+        sorted_.z[to] = static_cast<float>(position.z());
+        sorted_.radius[to] = static_cast<float>(row.w);
+        sorted_.grain[to] = static_cast<std::uint32_t>(i);
+      }
+  }
+
+  void ContactSearch::search_from_level(const std::size_t level, const std::vector<Row> &place)
+  {
+    const auto &n = levels_[level].n;
+    std::uint32_t number = levels_[level].first_box;
+    Box box;
+    box.level = level;
+    for (box.at[2] = 0; box.at[2] < n[2]; ++box.at[2])
+      for (box.at[1] = 0; box.at[1] < n[1]; ++box.at[1])
+        for (box.at[0] = 0; box.at[0] < n[0]; ++box.at[0], ++number)
+          {
+            box.begin = start_[number];
+            box.end = start_[number + 1];
+            if (box.begin == box.end)
+              continue;
+            for (std::size_t larger = 0; larger <= level; ++larger)
+              if (levels_[larger].n_grains > 0)
+                {
+                  collect_candidates(box, larger);
+                  test_candidates(box, larger == level, place);
+                }
+          }
+  }
+
+  void ContactSearch::collect_candidates(const Box &box, const std::size_t level)
+  {
+    const Level &from = levels_[box.level], &in = levels_[level];
+    const bool is_own_level = level == box.level;
+    const double reach = from.largest_radius + in.largest_radius + skin_;
+    std::array<int, 3> low, high; // boxes, any image
+    for (int k = 0; k < 3; ++k)
+      {
+        const double span = std::min(0.5, reach * per_length_[k]); // all of the cell, once, should the reach be absurd
+        low[k] = static_cast<int>(std::floor((double(box.at[k]) / from.n[k] - span) * in.n[k]));
+        high[k] = static_cast<int>(std::floor((double(box.at[k] + 1) / from.n[k] + span) * in.n[k]));
+      }
+    n_candidates_ = 0;
+    // In its own level a box looks forward only, itself first: the boxes behind it have already looked.
+    for (int k = is_own_level ? box.at[2] : low[2]; k <= high[2]; ++k)
+      for (int j = is_own_level && k == box.at[2] ? box.at[1] : low[1]; j <= high[1]; ++j)
+        {
+          const bool is_own_row = is_own_level && k == box.at[2] && j == box.at[1];
+          const int image_z = divide_down(k, in.n[2]), image_y = divide_down(j, in.n[1]);
+          const std::uint32_t row =
+              in.first_box +
+              static_cast<std::uint32_t>(((k - image_z * in.n[2]) * in.n[1] + j - image_y * in.n[1]) * in.n[0]);
+          for (int i = is_own_row ? box.at[0] : low[0]; i <= high[0];)
+            {
+              const int image_x = divide_down(i, in.n[0]), zero = image_x * in.n[0];
+              const int last = std::min(high[0], zero + in.n[0] - 1);
+              append_candidates(start_[row + (i - zero)], start_[row + (last - zero) + 1],
+                                cell_.edges * Vector(image_x, image_y, image_z));
+              i = last + 1;
+            }
+        }
+  }
+
+  void ContactSearch::append_candidates(const std::uint32_t begin, const std::uint32_t end, const Vector &shift)
+  {
+    const std::size_t needed = n_candidates_ + end - begin;
+    if (needed > candidates_.grain.size())
+      {
+        candidates_.resize(2 * needed);
+        excess_.resize(2 * needed);
+        hits_.resize(2 * needed);
+      }
+    const float x = static_cast<float>(shift.x()), y = static_cast<float>(shift.y()), z = static_cast<float>(shift.z());
+    for (std::uint32_t q = begin; q < end; ++q, ++n_candidates_)
+      {
+        candidates_.x[n_candidates_] = sorted_.x[q] + x;
+        candidates_.y[n_candidates_] = sorted_.y[q] + y;
+        candidates_.z[n_candidates_] = sorted_.z[q] + z;
+        candidates_.radius[n_candidates_] = sorted_.radius[q];
+        candidates_.grain[n_candidates_] = sorted_.grain[q];
+      }
+  }
+
+  void ContactSearch::test_candidates(const Box &box, const bool is_own_level, const std::vector<Row> &place)
+  {
+    for (std::uint32_t p = box.begin; p < box.end; ++p)
+      {
+        const float x = sorted_.x[p], y = sorted_.y[p], z = sorted_.z[p];
+        const float reach = sorted_.radius[p] + static_cast<float>(skin_ + margin_);
+        const std::size_t first = is_own_level ? p - box.begin + 1 : 0;
+        for (std::size_t q = first; q < n_candidates_; ++q)
+          {
+            const float dx = candidates_.x[q] - x, dy = candidates_.y[q] - y, dz = candidates_.z[q] - z;
+            const float sum = candidates_.radius[q] + reach;
+            excess_[q] = dx * dx + dy * dy + dz * dz - sum * sum;
+          }
+        std::size_t n_hits = 0;
+        for (std::size_t q = first; q < n_candidates_; ++q)
+          {
+            hits_[n_hits] = static_cast<std::uint32_t>(q);
+            n_hits += excess_[q] < 0.f;
+          }
+        const std::uint32_t here = sorted_.grain[p];
+        for (std::size_t hit = 0; hit < n_hits; ++hit)
+          {
+            const std::size_t q = hits_[hit];
+            const std::uint32_t there = candidates_.grain[q], a = std::min(here, there), b = std::max(here, there);
+            const double sum = place[a].w + place[b].w + skin_;
+            const bool is_certain = excess_[q] < -4. * margin_ * (sum + margin_);
+            if (is_certain || compute_branch(cell_, place[a], place[b]).squaredNorm() < sum * sum)
+              found_.push_back({a, b});
+          }
+      }
+  }
+
+  void ContactSearch::sort_pairs(const std::size_t n_grains)
+  {
+    first_.assign(n_grains + 1, 0);
+    later_.resize(found_.size());
+    for (const NearPair &pair : found_)
+      ++first_[pair.a];
+    std::partial_sum(first_.begin(), first_.end(), first_.begin());
+    for (const NearPair &pair : found_)
+      later_[--first_[pair.a]] = pair.b;
+    pairs_.clear();
+    for (std::uint32_t a = 0; a < n_grains; ++a)
+      {
+        const auto begin = later_.begin() + first_[a], end = later_.begin() + first_[a + 1];
+        std::sort(begin, end);
+        // Two images of one pair can both lie within the margin when the cell is barely wide enough.
+        const auto last = std::unique(begin, end);
+        for (auto b = begin; b != last; ++b)
+          pairs_.push_back({a, *b});
+      }
+  }
+
+  std::vector<std::uint32_t> compute_spatial_order(const Cell &cell, const std::vector<Row> &place)
+  {
+    std::array<double, 3> n_steps; // of equal length along each edge, so that the curve is as fine in every direction
+    for (int k = 0; k < 3; ++k)
+      n_steps[k] = hilbert_side * cell.edges.col(k).norm() / cell.edges.colwise().norm().maxCoeff();
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> keyed(place.size());
+    for (std::uint32_t i = 0; i < place.size(); ++i)
+      {
+        const Row &row = place[i];
+        keyed[i] = {compute_hilbert_key({locate(wrap(row.x), n_steps[0]), locate(wrap(row.y), n_steps[1]),
+                                         locate(wrap(row.z), n_steps[2])}),
+                    i};
+      }
+    std::sort(keyed.begin(), keyed.end());
+    std::vector<std::uint32_t> order(place.size());
+    std::transform(keyed.begin(), keyed.end(), order.begin(), [](const auto &entry) { return entry.second; });
+    return order;
+  }
+
+  std::vector<NearPair> list_near_pairs(const Cell &cell, const std::vector<Row> &place, const double skin)
+  {
+    ContactSearch search;
+    return search.list_near_pairs(cell, place, skin);
+  }
+} // namespace dem
