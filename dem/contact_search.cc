@@ -9,12 +9,18 @@
 #include <numeric>
 #include <utility>
 
+#ifdef __AVX512F__
+#include <immintrin.h>
+#endif
+
 namespace dem
 {
   namespace
   {
     constexpr std::size_t levels_cap = 24;      ///< a size ratio of ten millions
-    constexpr double boxes_per_grain = 2.;      ///< more would be empty ones, to be walked over in vain
+    constexpr double boxes_per_grain = 0.25;    ///< at most: what a box does once should serve some grains together
+    constexpr double octaves_per_level = 1.5;   ///< fewer levels to search, though more grains below its reach in each
+    constexpr std::size_t block = 16;           ///< candidates looked at together
     constexpr double rounding_room = 1. + 1e-9; ///< in fractions of the cell, so that no box is missed by a last bit
 
     constexpr int hilbert_side = 1024; ///< steps along the longest edge; three times ten bits make a key
@@ -32,9 +38,64 @@ namespace dem
       return wrapped >= 0. ? static_cast<int>(std::min(wrapped * n, n - 1.)) : 0;
     }
 
-    int divide_down(const int value, const int divisor)
+    /** std::sort's own set-out costs more than the few partners of most grains. */
+    void sort_few(std::uint32_t *const values, const std::size_t n)
     {
-      return value >= 0 ? value / divisor : -((divisor - 1 - value) / divisor);
+      if (n > 16)
+        return std::sort(values, values + n);
+      for (std::size_t i = 1; i < n; ++i)
+        {
+          const std::uint32_t value = values[i];
+          std::size_t to = i;
+          for (; to > 0 && values[to - 1] > value; --to)
+            values[to] = values[to - 1];
+          values[to] = value;
+        }
+    }
+
+    /** Which image of the cell box i of n lies in, for -n <= i < 2 n. */
+    int find_image(const int i, const int n)
+    {
+      return (i >= n) - (i < 0);
+    }
+
+    /** to[i] = from[i] + shift in whole blocks: writes and reads up to a block too far, without a tail to wind up. */
+    template <typename Number>
+    void append(const Number *__restrict__ const from, const std::size_t n, const Number shift,
+                Number *__restrict__ const to)
+    {
+      for (std::size_t i = 0; i < n; i += block)
+        for (std::size_t lane = 0; lane < block; ++lane)
+          to[i + lane] = from[i + lane] + shift;
+    }
+
+    /**
+     * Writes which of n lanes are below zero, as candidates from q on, and by how much; up to a block is written over.
+     *
+     * @return how many
+     */
+    std::size_t append_hits(const float *const excess, const std::size_t q, const std::size_t n,
+                            std::uint32_t *const hits, float *const kept)
+    {
+#ifdef __AVX512F__
+      const __m512 values = _mm512_load_ps(excess);
+      const __mmask16 mask = static_cast<__mmask16>(_mm512_cmp_ps_mask(values, _mm512_setzero_ps(), _CMP_LT_OQ) &
+                                                    (0xffffu >> (block - n)));
+      const __m512i lanes = _mm512_set_epi32(15, 14, 13, 12, 11, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1, 0);
+      const __m512i numbers = _mm512_add_epi32(_mm512_set1_epi32(static_cast<int>(q)), lanes);
+      _mm512_storeu_si512(hits, _mm512_maskz_compress_epi32(mask, numbers));
+      _mm512_storeu_ps(kept, _mm512_maskz_compress_ps(mask, values));
+      return static_cast<std::size_t>(__builtin_popcount(mask));
+#else
+      std::size_t n_hits = 0;
+      for (std::size_t lane = 0; lane < n; ++lane)
+        {
+          hits[n_hits] = static_cast<std::uint32_t>(q + lane);
+          kept[n_hits] = excess[lane];
+          n_hits += excess[lane] < 0.f;
+        }
+      return n_hits;
+#endif
     }
 
     /** How far along Hilbert's curve a cube lies (Skilling, AIP Conf. Proc. 707, 2004: axes to transpose). */
@@ -82,11 +143,16 @@ namespace dem
     // A coordinate is rounded as position, as shifted position and as difference, each by half a last bit of numbers no
     // larger than three cells: below 8 bits of the cell in all, and the square roots of three of them.
     margin_ = 16. * std::numeric_limits<float>::epsilon() * cell.edges.colwise().norm().sum();
+    for (int image = 0; image < 27; ++image)
+      {
+        const Vector shift = cell.edges * Vector(image % 3 - 1, image / 3 % 3 - 1, image / 9 - 1);
+        shifts_[image] = {static_cast<float>(shift.x()), static_cast<float>(shift.y()), static_cast<float>(shift.z())};
+      }
     update_levels(place);
     assert(is_wide_enough(cell, 2. * levels_[0].largest_radius + skin));
     update_boxes();
     sort_into_boxes(place);
-    found_.clear();
+    n_found_ = 0;
     for (std::size_t level = 0; level < levels_.size(); ++level)
       search_from_level(level, place);
     sort_pairs(place.size());
@@ -102,7 +168,7 @@ namespace dem
         smallest = std::min(smallest, row.w);
       }
     const double octaves = largest > 0. && smallest > 0. ? std::log2(largest / smallest) : double(levels_cap);
-    const double n_levels = std::clamp(std::rint(octaves), 1., double(levels_cap));
+    const double n_levels = std::clamp(std::rint(octaves / octaves_per_level), 1., double(levels_cap));
     const double ratio = std::exp2(-std::min(octaves, double(levels_cap)) / n_levels);
     levels_.assign(static_cast<std::size_t>(n_levels), Level());
     smallest_.clear();
@@ -152,7 +218,7 @@ namespace dem
   {
     const std::size_t n_grains = place.size();
     box_.resize(n_grains);
-    sorted_.resize(n_grains);
+    sorted_.resize(n_grains + block);
     for (std::size_t i = 0; i < n_grains; ++i)
       {
         box_[i] = find_box(place[i]);
@@ -213,92 +279,106 @@ namespace dem
       for (int j = is_own_level && k == box.at[2] ? box.at[1] : low[1]; j <= high[1]; ++j)
         {
           const bool is_own_row = is_own_level && k == box.at[2] && j == box.at[1];
-          const int image_z = divide_down(k, in.n[2]), image_y = divide_down(j, in.n[1]);
+          const int image_z = find_image(k, in.n[2]), image_y = find_image(j, in.n[1]);
           const std::uint32_t row =
               in.first_box +
               static_cast<std::uint32_t>(((k - image_z * in.n[2]) * in.n[1] + j - image_y * in.n[1]) * in.n[0]);
           for (int i = is_own_row ? box.at[0] : low[0]; i <= high[0];)
             {
-              const int image_x = divide_down(i, in.n[0]), zero = image_x * in.n[0];
+              const int image_x = find_image(i, in.n[0]), zero = image_x * in.n[0];
               const int last = std::min(high[0], zero + in.n[0] - 1);
               append_candidates(start_[row + (i - zero)], start_[row + (last - zero) + 1],
-                                cell_.edges * Vector(image_x, image_y, image_z));
+                                shifts_[13 + image_x + 3 * image_y + 9 * image_z]);
               i = last + 1;
             }
         }
   }
 
-  void ContactSearch::append_candidates(const std::uint32_t begin, const std::uint32_t end, const Vector &shift)
+  void ContactSearch::append_candidates(const std::uint32_t begin, const std::uint32_t end, const Shift &shift)
   {
-    const std::size_t needed = n_candidates_ + end - begin;
-    if (needed > candidates_.grain.size())
+    const std::size_t n = end - begin, needed = n_candidates_ + n;
+    if (needed + block > candidates_.grain.size())
       {
-        candidates_.resize(2 * needed);
-        excess_.resize(2 * needed);
-        hits_.resize(2 * needed);
+        candidates_.resize(2 * needed + block);
+        excess_.resize(2 * needed + block);
+        hits_.resize(2 * needed + block);
       }
-    const float x = static_cast<float>(shift.x()), y = static_cast<float>(shift.y()), z = static_cast<float>(shift.z());
-    for (std::uint32_t q = begin; q < end; ++q, ++n_candidates_)
+    append(sorted_.x.data() + begin, n, shift.x, candidates_.x.data() + n_candidates_);
+    append(sorted_.y.data() + begin, n, shift.y, candidates_.y.data() + n_candidates_);
+    append(sorted_.z.data() + begin, n, shift.z, candidates_.z.data() + n_candidates_);
+    append(sorted_.radius.data() + begin, n, 0.f, candidates_.radius.data() + n_candidates_);
+    append(sorted_.grain.data() + begin, n, 0u, candidates_.grain.data() + n_candidates_);
+    n_candidates_ = needed;
+  }
+
+  std::size_t ContactSearch::find_hits(const std::uint32_t p, const std::size_t begin)
+  {
+    const float *const x = candidates_.x.data(), *const y = candidates_.y.data(), *const z = candidates_.z.data();
+    const float *const radius = candidates_.radius.data();
+    const float x0 = sorted_.x[p], y0 = sorted_.y[p], z0 = sorted_.z[p];
+    const float reach = sorted_.radius[p] + static_cast<float>(skin_ + margin_);
+    std::size_t n_hits = 0;
+    for (std::size_t q = begin; q < n_candidates_; q += block)
       {
-        candidates_.x[n_candidates_] = sorted_.x[q] + x;
-        candidates_.y[n_candidates_] = sorted_.y[q] + y;
-        candidates_.z[n_candidates_] = sorted_.z[q] + z;
-        candidates_.radius[n_candidates_] = sorted_.radius[q];
-        candidates_.grain[n_candidates_] = sorted_.grain[q];
+        alignas(64) float excess[block];
+        for (std::size_t lane = 0; lane < block; ++lane)
+          {
+            const float dx = x[q + lane] - x0, dy = y[q + lane] - y0, dz = z[q + lane] - z0;
+            const float sum = radius[q + lane] + reach;
+            excess[lane] = dx * dx + dy * dy + dz * dz - sum * sum;
+          }
+        n_hits +=
+            append_hits(excess, q, std::min(block, n_candidates_ - q), hits_.data() + n_hits, excess_.data() + n_hits);
       }
+    return n_hits;
   }
 
   void ContactSearch::test_candidates(const Box &box, const bool is_own_level, const std::vector<Row> &place)
   {
+    const float skin = static_cast<float>(skin_ + margin_), certain_share = static_cast<float>(-4.001 * margin_);
     for (std::uint32_t p = box.begin; p < box.end; ++p)
       {
-        const float x = sorted_.x[p], y = sorted_.y[p], z = sorted_.z[p];
-        const float reach = sorted_.radius[p] + static_cast<float>(skin_ + margin_);
-        const std::size_t first = is_own_level ? p - box.begin + 1 : 0;
-        for (std::size_t q = first; q < n_candidates_; ++q)
-          {
-            const float dx = candidates_.x[q] - x, dy = candidates_.y[q] - y, dz = candidates_.z[q] - z;
-            const float sum = candidates_.radius[q] + reach;
-            excess_[q] = dx * dx + dy * dy + dz * dz - sum * sum;
-          }
-        std::size_t n_hits = 0;
-        for (std::size_t q = first; q < n_candidates_; ++q)
-          {
-            hits_[n_hits] = static_cast<std::uint32_t>(q);
-            n_hits += excess_[q] < 0.f;
-          }
+        const std::size_t n_hits = find_hits(p, is_own_level ? p - box.begin + 1 : 0);
+        if (found_.size() < n_found_ + n_hits)
+          found_.resize(2 * (n_found_ + n_hits));
         const std::uint32_t here = sorted_.grain[p];
         for (std::size_t hit = 0; hit < n_hits; ++hit)
           {
-            const std::size_t q = hits_[hit];
-            const std::uint32_t there = candidates_.grain[q], a = std::min(here, there), b = std::max(here, there);
-            const double sum = place[a].w + place[b].w + skin_;
-            const bool is_certain = excess_[q] < -4. * margin_ * (sum + margin_);
-            if (is_certain || compute_branch(cell_, place[a], place[b]).squaredNorm() < sum * sum)
-              found_.push_back({a, b});
+            const std::uint32_t q = hits_[hit], there = candidates_.grain[q];
+            const float sum = sorted_.radius[p] + candidates_.radius[q] + skin; // with a margin: less two to be certain
+            found_[n_found_] = {std::min(here, there), std::max(here, there)};
+            n_found_ += excess_[hit] < certain_share * sum || is_near(place[here], place[there]);
           }
       }
+  }
+
+  bool ContactSearch::is_near(const Row &a, const Row &b) const
+  {
+    const double sum = a.w + b.w + skin_;
+    return compute_branch(cell_, a, b).squaredNorm() < sum * sum;
   }
 
   void ContactSearch::sort_pairs(const std::size_t n_grains)
   {
     first_.assign(n_grains + 1, 0);
-    later_.resize(found_.size());
-    for (const NearPair &pair : found_)
-      ++first_[pair.a];
+    later_.resize(n_found_);
+    for (std::size_t i = 0; i < n_found_; ++i)
+      ++first_[found_[i].a];
     std::partial_sum(first_.begin(), first_.end(), first_.begin());
-    for (const NearPair &pair : found_)
-      later_[--first_[pair.a]] = pair.b;
-    pairs_.clear();
+    for (std::size_t i = 0; i < n_found_; ++i)
+      later_[--first_[found_[i].a]] = found_[i].b;
+    pairs_.resize(n_found_);
+    std::size_t n_pairs = 0;
     for (std::uint32_t a = 0; a < n_grains; ++a)
       {
-        const auto begin = later_.begin() + first_[a], end = later_.begin() + first_[a + 1];
-        std::sort(begin, end);
-        // Two images of one pair can both lie within the margin when the cell is barely wide enough.
-        const auto last = std::unique(begin, end);
-        for (auto b = begin; b != last; ++b)
-          pairs_.push_back({a, *b});
+        const std::size_t begin = first_[a], end = first_[a + 1];
+        sort_few(later_.data() + begin, end - begin);
+        // Two images of one pair can both lie within the margin when the cell is barely wide enough: once is enough.
+        for (std::size_t i = begin; i < end; ++i)
+          if (i == begin || later_[i] != later_[i - 1])
+            pairs_[n_pairs++] = {a, later_[i]};
       }
+    pairs_.resize(n_pairs);
   }
 
   std::vector<std::uint32_t> compute_spatial_order(const Cell &cell, const std::vector<Row> &place)

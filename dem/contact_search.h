@@ -69,6 +69,12 @@ namespace dem
       std::uint32_t begin = 0, end = 0; ///< its grains in sorted_
     };
 
+    /** From the cell to one of its images [m]. */
+    struct Shift
+    {
+      float x = 0.f, y = 0.f, z = 0.f;
+    };
+
     void update_levels(const std::vector<Row> &place);
     void update_boxes();
     void sort_into_boxes(const std::vector<Row> &place);
@@ -77,8 +83,10 @@ namespace dem
 
     void search_from_level(std::size_t level, const std::vector<Row> &place);
     void collect_candidates(const Box &box, std::size_t level);
-    void append_candidates(std::uint32_t begin, std::uint32_t end, const Vector &shift);
+    void append_candidates(std::uint32_t begin, std::uint32_t end, const Shift &shift);
+    std::size_t find_hits(std::uint32_t p, std::size_t begin);
     void test_candidates(const Box &box, bool is_own_level, const std::vector<Row> &place);
+    bool is_near(const Row &a, const Row &b) const;
     void sort_pairs(std::size_t n_grains);
 
     Cell cell_;
@@ -89,8 +97,9 @@ namespace dem
     std::vector<double> smallest_;           ///< radius [m] below which a grain belongs to a later level
     std::vector<std::uint32_t> box_, start_; ///< of each grain; where each box begins in sorted_
     Spheres sorted_, candidates_;
-    std::size_t n_candidates_ = 0;
-    std::vector<float> excess_; ///< of the squared distance of a candidate over that of touching it [m2]
+    std::array<Shift, 27> shifts_; ///< to the image (i, j, k) at 13 + i + 3 j + 9 k
+    std::size_t n_candidates_ = 0, n_found_ = 0;
+    std::vector<float> excess_; ///< of each hit: squared distance less the square of that which counts [m2]
     std::vector<std::uint32_t> hits_, first_, later_;
     std::vector<NearPair> found_, pairs_;
   };
