@@ -247,6 +247,9 @@ namespace apps
     bvp.rev_material.packing.rule = bvp.rev.packing;
     bvp.rev_material.packing.file = bvp.rev.packing_file;
     bvp.rev_material.point.kinematics = bvp.elastic.kinematics = bvp.burgers.kinematics = bvp.problem.kinematics;
+    std::ostringstream text;
+    binder.print(text);
+    bvp.parameters = text.str();
   }
 
   void check_bvp_case(const ParameterBinder &binder, const BvpCase &bvp)

@@ -52,12 +52,14 @@ namespace apps
     fem::ElasticParameters elastic;
     fem::BurgersParameters burgers;
     BvpOutput output;
+
+    std::string parameters; ///< all of them as used, a file that can be read again
   };
 
   /**
    * Reads a case. Throws BadInput naming file, line, parameter, value and allowed range.
    *
-   * @param binder  holds all parameters afterwards, for printing; it refers to `bvp`
+   * @param binder  knows all parameters afterwards, for check_bvp_case(); it refers to `bvp`
    */
   void read_bvp_case(const ParameterFile &file, ParameterBinder &binder, BvpCase &bvp);
 

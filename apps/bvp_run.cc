@@ -20,13 +20,17 @@ namespace apps
   } // namespace
 
   template <int dim>
-  BvpRun<dim>::BvpRun(const BvpCase &bvp, const CommandLine &line, const RunFolder &folder)
-      : bvp_(bvp), line_(line), folder_(folder), is_first_rank_(is_first_rank()),
+  BvpRun<dim>::BvpRun(const BvpCase &bvp, const CommandLine &line)
+      : bvp_(bvp), line_(line), folder_(line), is_first_rank_(is_first_rank()),
         progress_(is_first_rank_ && !line.is_quiet)
   {
     MPI_Comm macro = bvp.is_distributed ? MPI_COMM_WORLD : MPI_COMM_SELF;
+    folder_.check();
+    MPI_Barrier(MPI_COMM_WORLD); // nobody writes before all have looked
+    if (!line.is_resumed)
+      prepare_folder();
     progress_.say(line.is_resumed ? "reading the checkpoint" : "preparing the Gauss points");
-    make_material(folder);
+    make_material();
     const auto stress = [&](const dealii::Point<3> &) { return bvp_.initial_stress; };
     problem_ = as_bad_input([&]() {
       return std::make_unique<fem::QuasiStaticProblem<dim>>(
@@ -39,14 +43,24 @@ namespace apps
     stepping_ = std::make_unique<fem::LoadStepping<dim>>(*problem_, bvp.stages, bvp.stepping, observer);
     if (line.is_resumed)
       resume();
-    if (bvp.output.writes_fields)
-      fields_ = std::make_unique<fem::FieldOutput>(folder.get_path(), "fields",
-                                                   line.is_resumed ? stepping_->get_progress().time : -1.);
     open_history();
+    if (line.is_resumed)
+      prepare_folder();
+    if (bvp.output.writes_fields)
+      fields_ = std::make_unique<fem::FieldOutput>(folder_.get_path(), "fields",
+                                                   line.is_resumed ? stepping_->get_progress().time : -1.);
   }
 
   template <int dim>
-  void BvpRun<dim>::make_material(const RunFolder &folder)
+  void BvpRun<dim>::prepare_folder() const
+  {
+    if (is_first_rank_)
+      folder_.prepare(bvp_.parameters);
+    MPI_Barrier(MPI_COMM_WORLD);
+  }
+
+  template <int dim>
+  void BvpRun<dim>::make_material()
   {
     MPI_Comm macro = bvp_.is_distributed ? MPI_COMM_WORLD : MPI_COMM_SELF;
     if (bvp_.material == MaterialKind::elastic)
@@ -56,7 +70,7 @@ namespace apps
     else
       {
         coupling::RevMaterialParameters parameters = bvp_.rev_material;
-        parameters.failure_folder = folder.get_file("failures");
+        parameters.failure_folder = folder_.get_file("failures");
         parameters.is_resumed = line_.is_resumed;
         auto material = std::make_unique<coupling::RevMaterial>(
             parameters, coupling::RevPool(MPI_COMM_WORLD, !bvp_.is_distributed, line_.n_threads));
@@ -74,6 +88,7 @@ namespace apps
       throw BadInput(fmt::format("{}: written with {} boundary conditions, the parameters name {}", file,
                                  progress.stage_values.size(), bvp_.conditions.size()));
     stepping_->set_progress(progress);
+    MPI_Barrier(MPI_COMM_WORLD); // nobody writes before all have read
   }
 
   template <int dim>

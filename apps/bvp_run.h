@@ -18,9 +18,9 @@ namespace apps
   class BvpRun
   {
   public:
-    /** Makes material, mesh and problem, and where the run is resumed brings them to its checkpoint. Throws BadInput.
-     */
-    BvpRun(const BvpCase &bvp, const CommandLine &line, const RunFolder &folder);
+    /** Makes run folder, material, mesh and problem, and where the run is resumed brings them to its checkpoint. Throws
+     * BadInput; a folder that cannot be resumed is left as it is. */
+    BvpRun(const BvpCase &bvp, const CommandLine &line);
 
     /** Runs the loading programme. @return exit status */
     int run();
@@ -35,7 +35,8 @@ namespace apps
       double largest_residual_share = 0.;
     };
 
-    void make_material(const RunFolder &folder);
+    void prepare_folder() const;
+    void make_material();
     void resume();
     void open_history();
     void record(const fem::StepReport &report);
@@ -48,7 +49,7 @@ namespace apps
 
     const BvpCase &bvp_;
     const CommandLine &line_;
-    const RunFolder &folder_;
+    const RunFolder folder_;
     const bool is_first_rank_;
     std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
     Progress progress_;

@@ -114,11 +114,11 @@ namespace apps
         position_ = checkpoint.position;
         n_rows_ = checkpoint.n_rows;
         rev_ = std::make_unique<dem::Rev>(case_.rev.model, checkpoint.state);
-        folder_.prepare(case_.parameters);
         std::uint64_t row = 0;
         history_ =
             std::make_unique<HistoryFile>(folder_.get_file("history.csv"), name_columns(),
                                           [&](const std::vector<std::string> &) { return row++ < checkpoint.n_rows; });
+        folder_.prepare(case_.parameters); // not before the folder has turned out to be one of these parameters
         progress_.say(fmt::format("resumed at {:.4g} s in stage {}", checkpoint.state.time, position_.stage + 1));
       }
 

@@ -6,18 +6,11 @@
 #include <deal.II/base/mpi.h>
 
 #include <iostream>
-#include <sstream>
 
 namespace
 {
   constexpr const char *description = "Creep of crushable sand across two scales: a boundary-value problem that asks a "
                                       "volume of grains at each of its Gauss points. Runs alone or under mpirun.";
-
-  template <int dim>
-  int solve(const apps::BvpCase &bvp, const apps::CommandLine &line, const apps::RunFolder &folder)
-  {
-    return apps::BvpRun<dim>(bvp, line, folder).run();
-  }
 
   int run(int argc, char **argv, const bool is_first_rank)
   {
@@ -30,24 +23,16 @@ namespace
     apps::ParameterBinder binder;
     apps::BvpCase bvp;
     apps::read_bvp_case(file, binder, bvp);
-    std::ostringstream parameters;
-    binder.print(parameters);
     if (line.only_template && is_first_rank)
-      std::cout << parameters.str();
+      std::cout << bvp.parameters;
     if (line.only_template)
       return 0;
     apps::check_bvp_case(binder, bvp);
     if (line.only_check)
       return 0;
 
-    const apps::RunFolder folder(line);
-    folder.check();
-    MPI_Barrier(MPI_COMM_WORLD); // nobody writes before all have looked
-    if (is_first_rank)
-      folder.prepare(parameters.str());
-    MPI_Barrier(MPI_COMM_WORLD);
-    return bvp.problem.geometry == fem::Geometry::three_dimensional ? solve<3>(bvp, line, folder)
-                                                                    : solve<2>(bvp, line, folder);
+    return bvp.problem.geometry == fem::Geometry::three_dimensional ? apps::BvpRun<3>(bvp, line).run()
+                                                                    : apps::BvpRun<2>(bvp, line).run();
   }
 } // namespace
 

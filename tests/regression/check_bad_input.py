@@ -31,6 +31,39 @@ end
 """
 
 
+# One element of a creeping fluid-like solid: all that a boundary-value run writes, in a second.
+BVP_CASE = """set Material = viscoelastic
+subsection Mesh
+  set Kind = cylinder
+end
+subsection Boundary conditions
+  set Number of conditions = 3
+  subsection Condition 1
+    set Boundary = bottom
+  end
+  subsection Condition 2
+    set Boundary = outer
+    set Component = r
+  end
+  subsection Condition 3
+    set Boundary = top
+    set Kind = pressure
+  end
+end
+subsection Loading
+  set Number of stages = 2
+  subsection Stage 1
+    set Increments = 3
+    set Targets = top pressure: 1e6
+  end
+  subsection Stage 2
+    set Kind = creep
+    set Duration = 100
+  end
+end
+"""
+
+
 class BadInput(unittest.TestCase):
     build = pathlib.Path()
 
@@ -58,14 +91,16 @@ class BadInput(unittest.TestCase):
     def change_case(self, old, new):
         self.case.write_text(self.case.read_text().replace(old, new))
 
-    def finish_run(self):
-        run = self.folder / "run"
-        result = self.run_program(self.case, "--output", run)
+    def finish_run(self, program="slowsand-rev"):
+        run = self.folder / program
+        if program == "slowsand-bvp":
+            self.case.write_text(BVP_CASE)
+        result = self.run_program(self.case, "--output", run, program=program)
         self.assertEqual(result.returncode, 0, result.stderr)
         return run
 
     def read_all(self, folder):
-        return {file: file.read_bytes() for file in sorted(folder.rglob("*")) if file.is_file()}
+        return {path: path.read_bytes() if path.is_file() else "a folder" for path in sorted(folder.rglob("*"))}
 
     # Parameters: file, line, name, value, allowed range.
 
@@ -127,13 +162,21 @@ class BadInput(unittest.TestCase):
     def test_nothing_to_resume(self):
         self.expect_refusal(self.run_program("--resume", self.folder / "nowhere"), "nowhere")
 
+    def break_file(self, name, change):
+        for program, changed in (("slowsand-rev", "Laboratory/Checkpoint interval=7"),
+                                 ("slowsand-bvp", "Output/Checkpoint interval=7")):
+            run = self.finish_run(program)
+            (run / name).write_bytes(change((run / name).read_bytes()))
+            before = self.read_all(run)
+            self.expect_refusal(self.run_program("--resume", run, "--set", changed, program=program), name)
+            after = self.read_all(run)
+            self.assertEqual([path for path in sorted({*before, *after}) if before.get(path) != after.get(path)], [])
+
     def break_checkpoint(self, change):
-        run = self.finish_run()
-        checkpoint = run / "checkpoint.h5"
-        checkpoint.write_bytes(change(checkpoint.read_bytes()))
-        before = self.read_all(run)
-        self.expect_refusal(self.run_program("--resume", run), "checkpoint.h5")
-        self.assertEqual(before, self.read_all(run))
+        self.break_file("checkpoint.h5", change)
+
+    def test_history_of_other_columns(self):
+        self.break_file("history.csv", lambda data: b"time_s,colour\n" + data)
 
     def test_truncated_checkpoint(self):
         self.break_checkpoint(lambda data: data[: len(data) // 2])
@@ -156,7 +199,7 @@ class BadInput(unittest.TestCase):
 
     # A disk that fills up.
 
-    def test_full_disk_keeps_the_checkpoint(self):
+    def test_full_disk_keeps_the_checkpoint_alone(self):
         run = self.finish_run()
         checkpoint = run / "checkpoint.h5"
         before = checkpoint.read_bytes()
@@ -171,6 +214,7 @@ class BadInput(unittest.TestCase):
         self.assertIn("checkpoint.h5", result.stderr)
         self.assertIn("arge", result.stderr)  # "File too large": the cause as the system names it
         self.assertEqual(checkpoint.read_bytes(), before)
+        self.assertEqual([path.name for path in run.glob("checkpoint.h5*")], ["checkpoint.h5"])
         self.assertEqual(self.run_program("--resume", run).returncode, 0)
 
 
