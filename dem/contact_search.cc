@@ -1,13 +1,13 @@
 #include "dem/contact_search.h"
 
 #include "dem/contact_network.h"
+#include "dem/fraction.h"
 
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <limits>
 #include <numeric>
-#include <utility>
 
 #ifdef __AVX512F__
 #include <immintrin.h>
@@ -22,21 +22,6 @@ namespace dem
     constexpr double octaves_per_level = 1.5;   ///< fewer levels to search, though more grains below its reach in each
     constexpr std::size_t block = 16;           ///< candidates looked at together
     constexpr double rounding_room = 1. + 1e-9; ///< in fractions of the cell, so that no box is missed by a last bit
-
-    constexpr int hilbert_side = 1024; ///< steps along the longest edge; three times ten bits make a key
-
-    /** Into [0, 1]. */
-    double wrap(const double fraction)
-    {
-      return fraction - std::floor(fraction);
-    }
-
-    /** The step of n in which a wrapped fraction lies; the first for what is not a number: the run will say so, the
-     *  arrays must hold until then. */
-    int locate(const double wrapped, const double n)
-    {
-      return wrapped >= 0. ? static_cast<int>(std::min(wrapped * n, n - 1.)) : 0;
-    }
 
     /** std::sort's own set-out costs more than the few partners of most grains. */
     void sort_few(std::uint32_t *const values, const std::size_t n)
@@ -96,32 +81,6 @@ namespace dem
         }
       return n_hits;
 #endif
-    }
-
-    /** How far along Hilbert's curve a cube lies (Skilling, AIP Conf. Proc. 707, 2004: axes to transpose). */
-    std::uint32_t compute_hilbert_key(std::array<int, 3> at)
-    {
-      for (int bit = hilbert_side / 2; bit > 1; bit /= 2) // undo the turns of the finer curves
-        for (int &coordinate : at)
-          if (coordinate & bit)
-            at[0] ^= bit - 1;
-          else
-            {
-              const int swapped = (at[0] ^ coordinate) & (bit - 1);
-              at[0] ^= swapped;
-              coordinate ^= swapped;
-            }
-      at[1] ^= at[0]; // Gray code
-      at[2] ^= at[1];
-      int flips = 0;
-      for (int bit = hilbert_side / 2; bit > 1; bit /= 2)
-        if (at[2] & bit)
-          flips ^= bit - 1;
-      std::uint32_t key = 0;
-      for (int bit = hilbert_side / 2; bit > 0; bit /= 2)
-        for (const int coordinate : at)
-          key = 2 * key + (((coordinate ^ flips) & bit) ? 1 : 0);
-      return key;
     }
   } // namespace
 
@@ -209,8 +168,9 @@ namespace dem
   std::uint32_t ContactSearch::find_box(const Row &place) const
   {
     const Level &level = levels_[find_level(place.w)];
-    const int i = locate(wrap(place.x), level.n[0]), j = locate(wrap(place.y), level.n[1]),
-              k = locate(wrap(place.z), level.n[2]);
+    const int i = locate_fraction(wrap_fraction(place.x), level.n[0]),
+              j = locate_fraction(wrap_fraction(place.y), level.n[1]),
+              k = locate_fraction(wrap_fraction(place.z), level.n[2]);
     return level.first_box + static_cast<std::uint32_t>((k * level.n[1] + j) * level.n[0] + i);
   }
 
@@ -228,7 +188,7 @@ namespace dem
     for (std::size_t i = n_grains; i-- > 0;) // backwards, as each box is filled from its end
       {
         const Row &row = place[i];
-        const Vector position = cell_.edges * Vector(wrap(row.x), wrap(row.y), wrap(row.z));
+        const Vector position = cell_.edges * Vector(wrap_fraction(row.x), wrap_fraction(row.y), wrap_fraction(row.z));
         const std::uint32_t to = --start_[box_[i]];
         sorted_.x[to] = static_cast<float>(position.x());
         sorted_.y[to] = static_cast<float>(position.y());
@@ -379,25 +339,6 @@ namespace dem
             pairs_[n_pairs++] = {a, later_[i]};
       }
     pairs_.resize(n_pairs);
-  }
-
-  std::vector<std::uint32_t> compute_spatial_order(const Cell &cell, const std::vector<Row> &place)
-  {
-    std::array<double, 3> n_steps; // of equal length along each edge, so that the curve is as fine in every direction
-    for (int k = 0; k < 3; ++k)
-      n_steps[k] = hilbert_side * cell.edges.col(k).norm() / cell.edges.colwise().norm().maxCoeff();
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> keyed(place.size());
-    for (std::uint32_t i = 0; i < place.size(); ++i)
-      {
-        const Row &row = place[i];
-        keyed[i] = {compute_hilbert_key({locate(wrap(row.x), n_steps[0]), locate(wrap(row.y), n_steps[1]),
-                                         locate(wrap(row.z), n_steps[2])}),
-                    i};
-      }
-    std::sort(keyed.begin(), keyed.end());
-    std::vector<std::uint32_t> order(place.size());
-    std::transform(keyed.begin(), keyed.end(), order.begin(), [](const auto &entry) { return entry.second; });
-    return order;
   }
 
   std::vector<NearPair> list_near_pairs(const Cell &cell, const std::vector<Row> &place, const double skin)

@@ -106,13 +106,4 @@ namespace dem
 
   /** The pairs that ContactSearch finds, for who asks once. @pre as there */
   std::vector<NearPair> list_near_pairs(const Cell &cell, const std::vector<Row> &place, double skin);
-
-  /**
-   * The order in which grains that are near in space are near in storage, along Hilbert's curve through the cell; ties
-   * by index.
-   *
-   * @param place  x, y, z: fractions of the cell's edges, any image
-   * @return a permutation: order[new] = old
-   */
-  std::vector<std::uint32_t> compute_spatial_order(const Cell &cell, const std::vector<Row> &place);
 } // namespace dem

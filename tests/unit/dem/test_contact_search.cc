@@ -8,7 +8,6 @@
 #include <cmath>
 #include <limits>
 #include <random>
-#include <set>
 
 namespace
 {
@@ -117,43 +116,5 @@ namespace
     const auto pairs = list_near_pairs(grains.cell, grains.place, 0.);
     EXPECT_GT(pairs.size(), 20u);
     EXPECT_EQ(pairs, list_by_force(grains.cell, grains.place, 0.));
-    EXPECT_EQ(compute_spatial_order(grains.cell, grains.place).size(), 200u);
-  }
-
-  TEST(SpatialOrder, HoldsEveryGrainOnceAndIsAlwaysTheSame)
-  {
-    // Law: a permutation that depends on the places alone; grains in one place stay in their order.
-    Scatter grains(5000, 3., 60., 0.3);
-    for (std::size_t i = 100; i < 120; ++i)
-      grains.place[i] = grains.place[99];
-    const auto order = compute_spatial_order(grains.cell, grains.place);
-    EXPECT_EQ(order, compute_spatial_order(grains.cell, grains.place));
-    EXPECT_EQ(std::set<std::uint32_t>(order.begin(), order.end()).size(), 5000u);
-    EXPECT_LT(*std::max_element(order.begin(), order.end()), 5000u);
-    const auto first = std::find(order.begin(), order.end(), 99u);
-    for (std::uint32_t i = 0; i <= 20; ++i)
-      EXPECT_EQ(*(first + i), 99u + i);
-  }
-
-  TEST(SpatialOrder, NextInOrderIsNearInSpace)
-  {
-    // Law: the curve fills the cell step by step, from one eighth only into one that shares a face with it. Of n
-    // scattered grains neighbours are some n^-1/3 of the cell apart, strangers half of it; twice that spacing is
-    // allowed on average (1.1 measured for Hilbert's curve), a quarter of the cell for any step.
-    const std::size_t n = 8000;
-    Scatter grains(n, 1., 60., 0.);
-    grains.cell.edges = Vector(1., 1., 1.).asDiagonal();
-    const auto order = compute_spatial_order(grains.cell, grains.place);
-    double sum = 0., largest = 0.;
-    for (std::size_t i = 1; i < n; ++i)
-      {
-        Vector step = to_vector(grains.place[order[i]]) - to_vector(grains.place[order[i - 1]]);
-        for (double &component : step)
-          component -= std::floor(component + 0.5);
-        sum += step.norm();
-        largest = std::max(largest, step.norm());
-      }
-    EXPECT_LT(sum / static_cast<double>(n), 2. * std::cbrt(1. / static_cast<double>(n)));
-    EXPECT_LT(largest, 0.25);
   }
 } // namespace
