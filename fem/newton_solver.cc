@@ -6,7 +6,9 @@ namespace fem
 {
   namespace
   {
-    constexpr unsigned int max_setbacks = 2; ///< of corrections by secants, on the way to one lower residual
+    // Corrections in a row that raise the residual: after so many the secants are forgotten, after so many the search
+    // for a lower one ends. The last has been an eighth of a correction or less.
+    constexpr unsigned int max_secant_setbacks = 2, max_setbacks = 4;
 
     EquilibriumStatus to_equilibrium_status(Status status)
     {
@@ -71,22 +73,19 @@ namespace fem
 
   // Tries corrections until one lowers the residual. The one that does is the last that the material has evaluated, as
   // settling requires. A pair can mislead where grains have broken since, and what its setbacks show be of no use: then
-  // no share of its correction helps, but one of the tangent's does.
+  // no share of its correction helps, but one of the tangent's does. Where that helps no more either, the material's
+  // answer drops between here and there (grains have slipped through), and the way on begins beyond the drop.
   EquilibriumStatus NewtonSolver::find_better(NonlinearSystem &system, SecantMemory &secants, Iterate &current,
                                               unsigned int &n_evaluations) const
   {
-    Iterate trial = current;
-    Vector direction = current.increment;
+    Iterate trial = current, best_setback = current;
+    best_setback.condensed_norm = std::numeric_limits<double>::infinity();
     double share = 1.; // of the correction that is tried
     bool was_refused = false;
     unsigned int n_setbacks = 0;
-    while (n_evaluations < parameters_.max_evaluations)
+    while (n_evaluations < parameters_.max_evaluations && n_setbacks < max_setbacks)
       {
-        secants.apply(current.residual, direction);
-        trial.increment = current.increment;
-        trial.increment.add(-share, direction);
-        if (share == 1.)
-          system.impose_boundary(trial.increment);
+        correct(system, secants, share, current, trial);
         const Status status = system.evaluate(trial.increment, trial.residual);
         ++n_evaluations;
         if (status != Status::ok)
@@ -100,17 +99,33 @@ namespace fem
         trial.condensed_norm = system.compute_condensed_norm(trial.residual);
         const bool is_better = trial.condensed_norm <= current.condensed_norm;
         const bool has_learned =
-            (is_better || n_setbacks < max_setbacks) && secants.learn(compute_pair(current, trial));
+            (is_better || n_setbacks < max_secant_setbacks) && secants.learn(compute_pair(current, trial));
         if (is_better)
           {
             current = trial;
             return EquilibriumStatus::converged;
           }
-        if (++n_setbacks == max_setbacks)
+        if (trial.condensed_norm < best_setback.condensed_norm)
+          best_setback = trial;
+        if (++n_setbacks == max_secant_setbacks)
           secants.forget();
         share = has_learned && n_setbacks == 1 ? 1. : 0.5 * share;
       }
-    return EquilibriumStatus::no_convergence;
+    if (n_setbacks < max_setbacks || !std::isfinite(best_setback.condensed_norm))
+      return EquilibriumStatus::no_convergence;
+    current = best_setback;
+    return EquilibriumStatus::converged;
+  }
+
+  void NewtonSolver::correct(NonlinearSystem &system, const SecantMemory &secants, double share, const Iterate &current,
+                             Iterate &trial)
+  {
+    Vector direction(current.increment);
+    secants.apply(current.residual, direction);
+    trial.increment = current.increment;
+    trial.increment.add(-share, direction);
+    if (share == 1.)
+      system.impose_boundary(trial.increment);
   }
 
   SecantPair NewtonSolver::compute_pair(const Iterate &start, const Iterate &end)

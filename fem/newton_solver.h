@@ -80,9 +80,10 @@ namespace fem
    * and secant corrections of its inverse learned from every evaluation, failed ones included.
    *
    * A point at which the residual has grown is left again, but what it taught stays; after the second one in a row all
-   * secants are forgotten, and shorter and shorter shares of J0's own correction are tried. The total secant pair of
-   * the last equilibria serves as predictor of the next one; it is part of the state (get_memory) and follows commit
-   * and revert.
+   * secants are forgotten, and shorter and shorter shares of J0's own correction are tried. If they do not help either,
+   * the solver goes on from the best of these points: where the material's answer drops, equilibrium lies beyond. The
+   * total secant pair of the last equilibria serves as predictor of the next one; it is part of the state (get_memory)
+   * and follows commit and revert.
    */
   class NewtonSolver
   {
@@ -112,6 +113,8 @@ namespace fem
     NewtonResult iterate(NonlinearSystem &system, SecantMemory &secants, Iterate &current) const;
     EquilibriumStatus find_better(NonlinearSystem &system, SecantMemory &secants, Iterate &current,
                                   unsigned int &n_evaluations) const;
+    static void correct(NonlinearSystem &system, const SecantMemory &secants, double share, const Iterate &current,
+                        Iterate &trial);
     static SecantPair compute_pair(const Iterate &start, const Iterate &end);
     void remember(const Iterate &start, const Iterate &end);
 

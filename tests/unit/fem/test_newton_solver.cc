@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+
 using namespace fem;
 using namespace fem::cases;
 
@@ -25,19 +27,25 @@ namespace
     return result;
   }
 
-  /**
-   * Two unknowns with residual K x - f, K = [1 2; 0 1], and the unit matrix as tangent. A push along x was answered
-   * along y once; K has lost that.
-   */
-  class SystemThatHasChanged : public NonlinearSystem
+  /** Two unknowns, a residual [N] as a test writes it, and a multiple of the unit matrix as tangent. */
+  class SmallSystem : public NonlinearSystem
   {
   public:
-    Status linearise(bool, Vector &residual) override { return compute_residual(create_vector(), residual); }
+    std::function<std::array<double, 2>(double x, double y)> compute_residual;
+    double tangent = 1.; ///< [N/m]
+
+    Status linearise(bool, Vector &residual) override { return evaluate(create_vector(), residual); }
     Status evaluate(const Vector &increment, Vector &residual) override
     {
-      return compute_residual(increment, residual);
+      const auto [x, y] = compute_residual(increment[0], increment[1]);
+      residual = create_vector(x, y);
+      return Status::ok;
     }
-    void solve_linearised(const Vector &residual, Vector &solution) override { solution = residual; }
+    void solve_linearised(const Vector &residual, Vector &solution) override
+    {
+      solution = residual;
+      solution /= tangent;
+    }
     void impose_boundary(Vector &) const override {}
     double compute_condensed_norm(const Vector &residual) override { return residual.l2_norm(); }
     double compute_norm(const Vector &residual) const override { return residual.l2_norm(); }
@@ -51,14 +59,15 @@ namespace
       vector[1] = y;
       return vector;
     }
-
-  private:
-    Status compute_residual(const Vector &increment, Vector &residual) const
-    {
-      residual = create_vector(increment[0] + 2. * increment[1] - 1., increment[1]);
-      return Status::ok;
-    }
   };
+
+  NewtonSolver create_exact_solver(SecantKind kind)
+  {
+    NewtonParameters parameters;
+    parameters.tolerance = 1e-12; // piecewise linear systems are met to rounding
+    parameters.secant.kind = kind;
+    return NewtonSolver(parameters);
+  }
 
   class Secants : public ::testing::TestWithParam<SecantKind>
   {};
@@ -112,19 +121,32 @@ TEST_P(Secants, LearnFromAnOvershoot)
 TEST_P(Secants, ThatMisleadAreForgotten)
 {
   // Law: where no share of the secants' correction lowers the residual and none teaches better, the tangent's does.
-  // By hand: H f = (1, -1) and K H f = (-1, -1), so that every share takes |r|^2 from 1 to (1 + a)^2 + a^2; the pair
-  // that this shows is too soft to be learned. The tangent's correction f = (1, 0) is the answer.
-  SystemThatHasChanged system;
-  NewtonParameters parameters;
-  parameters.tolerance = 1e-12; // a linear system is met to rounding
-  parameters.secant.kind = GetParam();
-  NewtonSolver solver(parameters);
+  // A push along x was answered along y once, but no more. By hand: H f = (1, -1) and K H f = (-1, -1), so that every
+  // share a takes |r|^2 from 1 to (1 + a)^2 + a^2; the pair that this shows is too soft to be learned. The tangent's
+  // correction f = (1, 0) is the answer.
+  SmallSystem system;
+  system.compute_residual = [](double x, double y) { return std::array{x + 2. * y - 1., y}; };
+  NewtonSolver solver = create_exact_solver(GetParam());
   solver.set_memory({{system.create_vector(1., 0.), system.create_vector(1., 1.)}});
   Vector increment = system.create_vector();
   const NewtonResult result = solver.solve(system, increment, true);
   EXPECT_EQ(result.status, EquilibriumStatus::converged);
   EXPECT_NEAR(increment[0], 1., 1e-12);
   EXPECT_NEAR(increment[1], 0., 1e-12);
+}
+
+TEST_P(Secants, LeadBeyondADropOfTheForce)
+{
+  // Law: where the force drops before it reaches the load, the equilibrium beyond the drop is found.
+  // By hand: the force is x up to 1 and x - 1 beyond, the load 1.1, so that x = 2.1; before the drop |r| > 0.1.
+  SmallSystem system;
+  system.compute_residual = [](double x, double) { return std::array{(x > 1. ? x - 1. : x) - 1.1, 0.}; };
+  system.tangent = 2.; // the first correction ends before the drop
+  NewtonSolver solver = create_exact_solver(GetParam());
+  Vector increment = system.create_vector();
+  const NewtonResult result = solver.solve(system, increment, true);
+  EXPECT_EQ(result.status, EquilibriumStatus::converged);
+  EXPECT_NEAR(increment[0], 2.1, 1e-12);
 }
 
 INSTANTIATE_TEST_SUITE_P(NewtonSolver, Secants, ::testing::Values(SecantKind::broyden, SecantKind::anderson));
