@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <filesystem>
 #include <stdexcept>
 
 namespace apps
@@ -59,10 +60,19 @@ namespace apps
   void write_rev_checkpoint(const std::string &file, const dem::Rev &rev, const RevCheckpoint &checkpoint)
   {
     const std::string unfinished = file + ".part";
-    dem::write_snapshot(unfinished, checkpoint.state, dem::list_contacts(checkpoint.state, rev.get_law()),
-                        {rev.get_model().identity.seed, rev.get_model().identity.rev});
-    dem::write_text(unfinished, position_dataset, write_position(checkpoint));
-    dem::publish_file(unfinished, file);
+    try
+      {
+        dem::write_snapshot(unfinished, checkpoint.state, dem::list_contacts(checkpoint.state, rev.get_law()),
+                            {rev.get_model().identity.seed, rev.get_model().identity.rev});
+        dem::write_text(unfinished, position_dataset, write_position(checkpoint));
+        dem::publish_file(unfinished, file);
+      }
+    catch (...)
+      {
+        std::error_code ignored; // what went wrong first is what counts
+        std::filesystem::remove(unfinished, ignored);
+        throw;
+      }
   }
 
   RevCheckpoint read_rev_checkpoint(const std::string &file)

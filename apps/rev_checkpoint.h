@@ -15,7 +15,7 @@ namespace apps
   };
 
   /** Writes it as a snapshot with the position beside it, to a temporary name first, then renamed. Throws
-   *  std::runtime_error with path and cause; the earlier checkpoint stays valid. */
+   *  std::runtime_error with path and cause; the earlier checkpoint stays valid, and no temporary file is left. */
   void write_rev_checkpoint(const std::string &file, const dem::Rev &rev, const RevCheckpoint &checkpoint);
 
   /** Throws std::runtime_error naming file and dataset. */

@@ -8,6 +8,7 @@
 
 #include <cmath>
 #include <exception>
+#include <filesystem>
 #include <functional>
 #include <numeric>
 #include <stdexcept>
@@ -124,37 +125,53 @@ namespace fem
         throw std::runtime_error(
             fmt::format("{}: dataset {}displacement: parts of the ranks differ from this run's", file, group));
     }
+
+    template <int dim>
+    void write_archive(const std::string &file, const QuasiStaticProblem<dim> &problem, const Progress &progress)
+    {
+      const MPI_Comm communicator = problem.get_communicator();
+      const auto state = problem.get_state();
+      const auto fingerprint = problem.compute_fingerprint();
+      const std::vector<std::tuple<std::string, Gathered, std::string>> parts = {
+          {"displacement", gather(communicator, state.displacement), "m"},
+          {"deformation", gather(communicator, state.deformation), "1"},
+          {"stress", gather(communicator, state.stress), "Pa"},
+          {"secants", gather(communicator, state.secants), "m, N"}};
+      do_on_first_rank([&]() {
+        Hdf5File archive(file, Hdf5File::Mode::create);
+        archive.write(group + "format_version", {format_version}, "1");
+        archive.write(group + "mesh", fingerprint, "1, m^3, m^4");
+        archive.write(group + "progress", pack(progress), "s, 1");
+        archive.write(group + "stage_values", progress.stage_values, "m or Pa");
+        archive.write(group + "values", state.values, "m or Pa");
+        for (const auto &[name, gathered, unit] : parts)
+          {
+            archive.write(group + name, gathered.values, unit);
+            archive.write(group + name + "_lengths", gathered.lengths, "1");
+          }
+        archive.close();
+      });
+      problem.get_material().save(file);
+      MPI_Barrier(MPI_COMM_WORLD); // the material may write from several ranks
+    }
   } // namespace
 
   template <int dim>
   void write_checkpoint(const std::string &file, const QuasiStaticProblem<dim> &problem, const Progress &progress)
   {
     const std::string temporary = file + ".tmp";
-    const MPI_Comm communicator = problem.get_communicator();
-    const auto state = problem.get_state();
-    const auto fingerprint = problem.compute_fingerprint();
-    const std::vector<std::tuple<std::string, Gathered, std::string>> parts = {
-        {"displacement", gather(communicator, state.displacement), "m"},
-        {"deformation", gather(communicator, state.deformation), "1"},
-        {"stress", gather(communicator, state.stress), "Pa"},
-        {"secants", gather(communicator, state.secants), "m, N"}};
-    do_on_first_rank([&]() {
-      Hdf5File archive(temporary, Hdf5File::Mode::create);
-      archive.write(group + "format_version", {format_version}, "1");
-      archive.write(group + "mesh", fingerprint, "1, m^3, m^4");
-      archive.write(group + "progress", pack(progress), "s, 1");
-      archive.write(group + "stage_values", progress.stage_values, "m or Pa");
-      archive.write(group + "values", state.values, "m or Pa");
-      for (const auto &[name, gathered, unit] : parts)
-        {
-          archive.write(group + name, gathered.values, unit);
-          archive.write(group + name + "_lengths", gathered.lengths, "1");
-        }
-      archive.close();
-    });
-    problem.get_material().save(temporary);
-    MPI_Barrier(MPI_COMM_WORLD); // the material may write from several ranks
-    do_on_first_rank([&]() { publish_file(file); });
+    try
+      {
+        write_archive(temporary, problem, progress);
+        do_on_first_rank([&]() { publish_file(file); });
+      }
+    catch (...)
+      {
+        std::error_code ignored; // what went wrong first is what counts
+        if (dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
+          std::filesystem::remove(temporary, ignored); // half a file helps nobody, and the disk may be full
+        throw;
+      }
   }
 
   template <int dim>

@@ -11,7 +11,7 @@ namespace fem
    * "/macro", then the material's state. Collective over MPI_COMM_WORLD.
    *
    * Written as FILE.tmp, flushed and renamed: FILE is always whole. Throws std::runtime_error naming path and cause
-   * (full disk, permissions) on every rank, the previous FILE untouched.
+   * (full disk, permissions) on every rank, the previous FILE untouched and FILE.tmp removed.
    */
   template <int dim>
   void write_checkpoint(const std::string &file, const QuasiStaticProblem<dim> &problem, const Progress &progress);

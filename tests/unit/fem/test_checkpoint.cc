@@ -125,7 +125,8 @@ TEST_F(Checkpoint, ForeignTruncatedAndWrongFilesAreNamed)
 
 TEST_F(Checkpoint, AFullDiskIsToldAndTheLastCheckpointStays)
 {
-  // Law: a checkpoint that cannot be written is an error with path and cause; the file of before is untouched.
+  // Law: a checkpoint that cannot be written is an error with path and cause; the file of before is untouched, and it
+  // is the only one.
   if (!std::filesystem::exists("/dev/full"))
     GTEST_SKIP();
   CreepRun run;
@@ -138,6 +139,8 @@ TEST_F(Checkpoint, AFullDiskIsToldAndTheLastCheckpointStays)
   run.stepping.advance();
   const std::string error = get_error([&] { write_checkpoint(file, run.problem, run.stepping.get_progress()); });
   EXPECT_NE(error.find("checkpoint.h5.tmp"), std::string::npos) << error;
+  MPI_Barrier(MPI_COMM_WORLD);
+  EXPECT_FALSE(std::filesystem::is_symlink(file + ".tmp"));
   CreepRun other;
   EXPECT_EQ(read_checkpoint(file, other.problem).step, 1u);
 }
