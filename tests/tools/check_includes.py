@@ -3,12 +3,12 @@
 Debian puts every library under /usr/include, so the compiler would accept a wrong include.
 """
 
-import argparse
 import re
-import subprocess
 import sys
-import tempfile
-from pathlib import Path
+
+sys.dont_write_bytecode = True
+
+import source_tree  # noqa: E402
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
 
@@ -70,15 +70,12 @@ def check_include(root, path, bracket, name, rule):
 
 def check_tree(root):
     """All wrong includes as 'file:line: what'."""
-    listed = subprocess.run(["git", "-C", str(root), "ls-files", "-co", "--exclude-standard"], capture_output=True,
-                            text=True)
-    names = listed.stdout.splitlines() if listed.returncode == 0 else [
-        str(file.relative_to(root)) for file in root.rglob("*")
-        if file.relative_to(root).parts[0] not in ("build", "runs")]  # a source archive has no .git
     faults, n_files = [], 0
-    for path in sorted(Path(name) for name in names if name.endswith((".cc", ".h"))):
+    for path in source_tree.list_files(root):
+        if path.suffix not in (".cc", ".h"):
+            continue
         rule = find_rule(path)
-        if rule is None or not (root / path).is_file():
+        if rule is None:
             continue
         n_files += 1
         for number, line in enumerate((root / path).read_text(encoding="utf-8").splitlines(), start=1):
@@ -107,28 +104,6 @@ PLANTED = {  # file -> (include line, is it a fault?)
 }
 
 
-def check_self():
-    """Every planted fault is found, and nothing else."""
-    with tempfile.TemporaryDirectory() as folder:
-        root = Path(folder)
-        for name, (line, _) in PLANTED.items():
-            (root / name).parent.mkdir(parents=True, exist_ok=True)
-            (root / name).write_text(f"// first line\n{line}\n", encoding="utf-8")
-        found = {fault.split(":")[0] for fault in check_tree(root)[0]}
-    expected = {name for name, (_, is_fault) in PLANTED.items() if is_fault}
-    return [f"self-test: {name} planted and not found" for name in sorted(expected - found)] + [
-        f"self-test: {name} is right and was refused" for name in sorted(found - expected)]
-
-
-def main():
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--source", type=Path, required=True)
-    parser.add_argument("--build", type=Path)
-    faults, n_files = check_tree(parser.parse_args().source)
-    faults = check_self() + faults
-    print("\n".join(faults) or f"{n_files} files include only what their room may know")
-    return 1 if faults or n_files == 0 else 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    planted = {name: (f"// first line\n{line}\n", is_fault) for name, (line, is_fault) in PLANTED.items()}
+    sys.exit(source_tree.run_check(__doc__, check_tree, planted, "include only what their room may know"))

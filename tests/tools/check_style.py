@@ -1,11 +1,11 @@
 """Law: files stay short and named by the noun they own; headers are guarded and open no namespace."""
 
-import argparse
 import re
-import subprocess
 import sys
-import tempfile
-from pathlib import Path
+
+sys.dont_write_bytecode = True
+
+import source_tree  # noqa: E402
 
 CODE = (".cc", ".h", ".py", ".sh", ".cmake", ".txt")
 LONGEST_FILE = 400  # lines; aim at 80-200
@@ -37,16 +37,6 @@ def check_text(path, text):
                 yield f"{path}:{number}: 'using namespace' in a header reaches everybody who includes it"
 
 
-def list_files(root):
-    """Tracked files and those about to be; in a source archive without .git, all."""
-    listed = subprocess.run(["git", "-C", str(root), "ls-files", "-co", "--exclude-standard"], capture_output=True,
-                            text=True)
-    names = listed.stdout.splitlines() if listed.returncode == 0 else [
-        str(file.relative_to(root)) for file in root.rglob("*")
-        if file.relative_to(root).parts[0] not in ("build", "runs")]
-    return sorted(Path(name) for name in names if (root / name).is_file())
-
-
 def is_code(root, path):
     """Code by its ending, or a script without one."""
     return path.suffix in CODE or (path.suffix == "" and (root / path).read_bytes()[:2] == b"#!")
@@ -54,7 +44,7 @@ def is_code(root, path):
 
 def check_tree(root):
     faults, n_files = [], 0
-    for path in list_files(root):
+    for path in source_tree.list_files(root):
         faults += check_name(path)
         if is_code(root, path):
             n_files += 1
@@ -74,28 +64,5 @@ PLANTED = {  # file -> (text, is it a fault?)
 }
 
 
-def check_self():
-    """Every planted fault is found, and nothing else."""
-    with tempfile.TemporaryDirectory() as folder:
-        root = Path(folder)
-        for name, (text, _) in PLANTED.items():
-            (root / name).parent.mkdir(parents=True, exist_ok=True)
-            (root / name).write_text(text, encoding="utf-8")
-        found = {fault.split(":")[0] for fault in check_tree(root)[0]}
-    expected = {name for name, (_, is_fault) in PLANTED.items() if is_fault}
-    return [f"self-test: {name} planted and not found" for name in sorted(expected - found)] + [
-        f"self-test: {name} is right and was refused" for name in sorted(found - expected)]
-
-
-def main():
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--source", type=Path, required=True)
-    parser.add_argument("--build", type=Path)
-    faults, n_files = check_tree(parser.parse_args().source)
-    faults = check_self() + faults
-    print("\n".join(faults) or f"{n_files} files keep the house's style")
-    return 1 if faults or n_files == 0 else 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(source_tree.run_check(__doc__, check_tree, PLANTED, "keep the house's style"))
