@@ -47,8 +47,8 @@ namespace apps
     if (line.is_resumed)
       prepare_folder();
     if (bvp.output.writes_fields)
-      fields_ = std::make_unique<fem::FieldOutput>(folder_.get_path(), "fields",
-                                                   line.is_resumed ? stepping_->get_progress().time : -1.);
+      fields_ = std::make_unique<fem::FieldOutput>(
+          folder_.get_path(), "fields", line.is_resumed ? std::optional(stepping_->get_progress().step) : std::nullopt);
   }
 
   template <int dim>
@@ -146,7 +146,7 @@ namespace apps
       history_->write(
           make_bvp_row(report, rev_material_ ? rev_material_->compute_totals() : coupling::RevTotals{}, probes));
     if (fields_)
-      fields_->write(*problem_, 0.);
+      fields_->write(*problem_, 0, 0.);
   }
 
   template <int dim>
@@ -157,7 +157,7 @@ namespace apps
     if (history_)
       history_->write(make_bvp_row(report, totals, probes));
     if (fields_ && report.is_output)
-      fields_->write(*problem_, report.time);
+      fields_->write(*problem_, report.step, report.time);
     if (report.is_stage_end)
       write_stage_snapshots(report.stage + 1);
     if (report.is_stage_end || report.step % bvp_.output.checkpoint_interval == 0)

@@ -83,9 +83,20 @@ namespace fem
             }
       return fields;
     }
+
+    /** Value of NAME="VALUE" in a line of XML; empty if it is not there. */
+    std::string get_attribute(const std::string &line, const std::string &name)
+    {
+      const std::string opening = " " + name + "=\"";
+      const auto begin = line.find(opening);
+      if (begin == std::string::npos)
+        return "";
+      const auto value = begin + opening.size();
+      return line.substr(value, line.find('"', value) - value);
+    }
   } // namespace
 
-  FieldOutput::FieldOutput(const std::string &folder, const std::string &name, double resume_time)
+  FieldOutput::FieldOutput(const std::string &folder, const std::string &name, std::optional<unsigned int> resume_step)
       : folder_(folder), name_(name)
   {
     if (is_first_rank())
@@ -95,33 +106,29 @@ namespace fem
         if (error)
           throw std::runtime_error(fmt::format("{}/fields: {}", folder_, error.message()));
       }
-    if (resume_time >= 0.)
-      read_series(resume_time);
+    if (resume_step)
+      read_series(*resume_step);
     MPI_Barrier(MPI_COMM_WORLD); // nobody writes before all have read
   }
 
-  void FieldOutput::read_series(double resume_time)
+  void FieldOutput::read_series(unsigned int resume_step)
   {
+    const std::string beginning = "fields/" + name_ + "_"; // of a file's name; then comes its step
     std::ifstream stream(folder_ + "/" + name_ + ".pvd");
     for (std::string line; std::getline(stream, line);)
       {
-        const auto time = line.find("timestep=\""), file = line.find("file=\"");
-        if (time == std::string::npos || file == std::string::npos)
-          continue;
-        const double value = std::stod(line.substr(time + std::strlen("timestep=\"")));
-        const std::size_t begin = file + std::strlen("file=\"");
-        if (value <= resume_time)
-          times_and_files_.push_back({value, line.substr(begin, line.find('"', begin) - begin)});
+        const std::string time = get_attribute(line, "timestep"), file = get_attribute(line, "file");
+        if (file.starts_with(beginning) && std::strtoul(file.c_str() + beginning.size(), nullptr, 10) <= resume_step)
+          times_and_files_.push_back({std::strtod(time.c_str(), nullptr), file});
       }
   }
 
   template <int dim>
-  void FieldOutput::write(const QuasiStaticProblem<dim> &problem, double time)
+  void FieldOutput::write(const QuasiStaticProblem<dim> &problem, unsigned int step, double time)
   {
     const CellFields fields = compute_cell_fields(problem);
     const bool is_alone = dealii::Utilities::MPI::n_mpi_processes(problem.get_communicator()) == 1;
-    const unsigned int number = times_and_files_.size() + 1;
-    const std::string file = fmt::format("{}_{:04d}.pvtu", name_, number);
+    const std::string file = fmt::format("{}_{:04d}.pvtu", name_, step);
     times_and_files_.push_back({time, "fields/" + file});
     if (is_alone && !is_first_rank())
       return;
@@ -135,7 +142,7 @@ namespace fem
     for (const auto &[name, values] : fields)
       output.add_data_vector(values, name, dealii::DataOut<dim>::type_cell_data);
     output.build_patches(problem.get_mapping(), problem.get_dof_handler().get_fe().degree);
-    output.write_vtu_with_pvtu_record(folder_ + "/fields/", name_, number, problem.get_communicator(), 4);
+    output.write_vtu_with_pvtu_record(folder_ + "/fields/", name_, step, problem.get_communicator(), 4);
     if (is_first_rank())
       write_series();
   }
@@ -153,6 +160,6 @@ namespace fem
       throw std::runtime_error(fmt::format("{}: cannot be written: {}", file, std::strerror(errno)));
   }
 
-  template void FieldOutput::write(const QuasiStaticProblem<2> &, double);
-  template void FieldOutput::write(const QuasiStaticProblem<3> &, double);
+  template void FieldOutput::write(const QuasiStaticProblem<2> &, unsigned int, double);
+  template void FieldOutput::write(const QuasiStaticProblem<3> &, unsigned int, double);
 } // namespace fem

@@ -1,4 +1,5 @@
-"""Law: a run killed in mid-creep and resumed, on any number of ranks, leaves the history of an undisturbed one."""
+"""Law: a run killed under load or in creep and resumed, on any number of ranks, leaves the history and the list of fields
+of an undisturbed one."""
 
 import argparse
 import os
@@ -14,27 +15,33 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 import small_case  # noqa: E402
 
-CREEP_STAGE = "2"
+LOAD, CREEP = "1", "2"
 
 
-def count_creep_rows(history):
+def count_rows(history, stage):
     if not history.is_file():
         return 0
-    return sum(1 for line in history.read_text(errors="replace").splitlines() if line.split(",")[1:2] == [CREEP_STAGE])
+    return sum(1 for line in history.read_text(errors="replace").splitlines() if line.split(",")[1:2] == [stage])
 
 
-def kill_in_creep(build, case, output, n_rows):
-    """Starts a run and kills it with SIGKILL once it has written so many rows of creep; returns how many it had."""
-    process = subprocess.Popen(small_case.make_command(build, 1, case, "--output", output),
+def list_fields(folder):
+    """What fields.pvd lists, without deal.II's remark on the time of writing."""
+    return [line for line in (folder / "fields.pvd").read_text().splitlines() if "<DataSet" in line]
+
+
+def kill_in_stage(build, case, output, stage, n_rows, interval):
+    """Starts a run and kills it with SIGKILL once it has written so many rows of a stage; returns how many it had."""
+    process = subprocess.Popen(small_case.make_command(build, 1, case, "--output", output, "--set",
+                                                       f"Output/Checkpoint interval={interval}"),
                                env=small_case.make_environment(), stderr=subprocess.DEVNULL)
     history = output / "history.csv"
-    while process.poll() is None and count_creep_rows(history) < n_rows:
+    while process.poll() is None and count_rows(history, stage) < n_rows:
         time.sleep(0.002)
     if process.poll() is not None:
         raise AssertionError(f"the run ended by itself ({process.returncode}) before it could be killed")
     os.kill(process.pid, signal.SIGKILL)
     process.wait()
-    return count_creep_rows(history)
+    return count_rows(history, stage)
 
 
 def main():
@@ -47,17 +54,20 @@ def main():
         whole = Path(folder) / "whole"
         small_case.run(options.build, 1, case, "--output", whole)
         expected = (whole / "history.csv").read_bytes()
-        n_rows = count_creep_rows(whole / "history.csv")
-        for n_ranks in (1, 2):
-            killed = Path(folder) / f"killed_{n_ranks}"
-            n_before = kill_in_creep(options.build, case, killed, n_rows // 2)
+        # Under load from the first checkpoint: fields have been written since, all at one time.
+        for stage, n_ranks, interval in ((LOAD, 1, 100), (CREEP, 1, 4), (CREEP, 2, 4)):
+            n_rows = count_rows(whole / "history.csv", stage)
+            killed = Path(folder) / f"killed_{stage}_{n_ranks}"
+            n_before = kill_in_stage(options.build, case, killed, stage, n_rows // 2, interval)
             if not n_before < n_rows:
                 raise AssertionError("the run was over before it was killed")
             small_case.run(options.build, n_ranks, "--resume", killed)
+            event = f"killed after {n_before} of {n_rows} rows of stage {stage}, resumed on {n_ranks} rank(s)"
             if (killed / "history.csv").read_bytes() != expected:
-                raise AssertionError(f"killed after {n_before} of {n_rows} rows of creep and resumed on {n_ranks} "
-                                     "ranks: history.csv differs from that of the undisturbed run")
-            print(f"killed after {n_before} of {n_rows} rows of creep, resumed on {n_ranks} rank(s): the same bytes")
+                raise AssertionError(f"{event}: history.csv differs from that of the undisturbed run")
+            if list_fields(killed) != list_fields(whole):
+                raise AssertionError(f"{event}: fields.pvd lists other fields than that of the undisturbed run")
+            print(f"{event}: the same bytes, the same fields")
 
 
 if __name__ == "__main__":
