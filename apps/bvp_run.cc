@@ -87,7 +87,14 @@ namespace apps
     if (progress.stage_values.size() != bvp_.conditions.size())
       throw BadInput(fmt::format("{}: written with {} boundary conditions, the parameters name {}", file,
                                  progress.stage_values.size(), bvp_.conditions.size()));
-    stepping_->set_progress(progress);
+    try
+      {
+        stepping_->set_progress(fem::prolong_creep(bvp_.stages, progress));
+      }
+    catch (const std::invalid_argument &error)
+      {
+        throw BadInput(fmt::format("{}: {}", file, std::string(error.what())));
+      }
     MPI_Barrier(MPI_COMM_WORLD); // nobody writes before all have read
   }
 

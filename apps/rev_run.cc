@@ -7,6 +7,7 @@
 
 #include "dem/packing_file.h"
 #include "dem/snapshot.h"
+#include "dem/stage_path.h"
 
 #include <fmt/format.h>
 
@@ -68,6 +69,25 @@ namespace apps
       return packing.state;
     }
 
+    /**
+     * Goes back into the creep or relaxation that has just ended if the programme now gives it more time. Throws
+     * BadInput if it gives that to a load: its rate is history.
+     */
+    void prolong_held_stage(const std::vector<dem::LaboratoryStage> &stages, const std::string &file,
+                            dem::LaboratoryPosition &position)
+    {
+      const bool is_between_stages = position.stage > 0 && position.stage <= stages.size() && position.share_step == 0.;
+      if (!is_between_stages || !(stages[position.stage - 1].duration > position.time_in_stage))
+        return;
+      const dem::LaboratoryStage &last = stages[position.stage - 1];
+      if (!dem::is_held(last))
+        throw BadInput(fmt::format("{}: stage '{}' has ended: only a creep or a relaxation that has just ended can be "
+                                   "given more time; add a stage instead",
+                                   file, last.name));
+      --position.stage;
+      position.share_step = 1.; // the stage has begun
+    }
+
     /** One run: what its observers write to. */
     class Run
     {
@@ -109,9 +129,10 @@ namespace apps
 
       void resume()
       {
-        const RevCheckpoint checkpoint =
-            as_bad_input([&] { return read_rev_checkpoint(folder_.get_file("checkpoint.h5")); });
+        const std::string file = folder_.get_file("checkpoint.h5");
+        const RevCheckpoint checkpoint = as_bad_input([&] { return read_rev_checkpoint(file); });
         position_ = checkpoint.position;
+        prolong_held_stage(case_.stages, file, position_);
         n_rows_ = checkpoint.n_rows;
         rev_ = std::make_unique<dem::Rev>(case_.rev.model, checkpoint.state);
         std::uint64_t row = 0;

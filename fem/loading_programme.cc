@@ -148,6 +148,28 @@ namespace fem
     return end_values;
   }
 
+  Progress prolong_creep(const std::vector<Stage> &stages, Progress progress)
+  {
+    const bool is_between_stages =
+        progress.stage > 0 && progress.stage <= stages.size() && progress.position == 0. && progress.n_idle_steps == 0;
+    if (!is_between_stages)
+      return progress;
+    const Stage &last = stages[progress.stage - 1];
+    double start = 0.; // summed as update_progress() does: what has not been changed has the same bits
+    for (unsigned int k = 0; k + 1 < progress.stage; ++k)
+      start += stages[k].duration;
+    if (!(start + last.duration > progress.time))
+      return progress;
+    if (last.kind != StageKind::creep || !(progress.time > start))
+      throw std::invalid_argument(fmt::format(
+          "stage '{}' has ended at {} s: only a creep that has just ended can be given more time; add a stage instead",
+          last.name, progress.time));
+    --progress.stage; // the conditions are held: their values at its start are those at its end
+    progress.stage_start = start;
+    progress.position = progress.increment_start = progress.time - start;
+    return progress;
+  }
+
   void update_progress(const Stage &stage, const std::vector<double> &end_values, const Advance &advance,
                        Progress &progress)
   {

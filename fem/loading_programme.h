@@ -72,6 +72,14 @@ namespace fem
   void update_progress(const Stage &stage, const std::vector<double> &end_values, const Advance &advance,
                        Progress &progress);
 
+  /**
+   * Where a checkpoint's progress goes on if the programme now gives the creep that has just ended more time: inside
+   * that creep, at the end it had. Any other progress stays as it is.
+   *
+   * Throws std::invalid_argument naming the stage if a load that has ended is given more time: its rate is history.
+   */
+  Progress prolong_creep(const std::vector<Stage> &stages, Progress progress);
+
   /** Values of all conditions at each stage's end. Throws std::invalid_argument naming stage, parameter, value and
    * range, or a target that matches no condition with the conditions there are. */
   std::vector<std::vector<double>> resolve_targets(const std::vector<BoundaryCondition> &conditions,

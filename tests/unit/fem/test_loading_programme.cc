@@ -7,7 +7,24 @@ using namespace fem;
 using namespace fem::cases;
 
 namespace
-{} // namespace
+{
+} // namespace
+
+namespace
+{
+  /** Takes a programme to its end in steps that end its increments. @return the time after each [s] */
+  std::vector<double> run_through(const std::vector<Stage> &stages, Progress &progress)
+  {
+    std::vector<double> times;
+    while (progress.stage < stages.size())
+      {
+        const Stage &stage = stages[progress.stage];
+        update_progress(stage, {}, {0., compute_next_milestone(stage, progress.increment_start), true}, progress);
+        times.push_back(progress.time);
+      }
+    return times;
+  }
+} // namespace
 
 TEST(LoadingProgramme, CreepMilestonesAreThoseOfAllSeriesInOrder)
 {
@@ -48,6 +65,40 @@ TEST(LoadingProgramme, GeometricSpacingHasEqualRatios)
   EXPECT_DOUBLE_EQ(interpolate(stage, 1e6, 8e6, 1. / 3.), 2e6);
   EXPECT_EQ(interpolate(stage, 1e6, 8e6, 1.), 8e6);
   EXPECT_EQ(interpolate(stage, 0., 0., 0.5), 0.); // a held zero stays zero
+}
+
+TEST(LoadingProgramme, AProlongedCreepGoesOnAsIfItHadBeenMeantToBeLong)
+{
+  // Law: creep to 1e3 s and then prolonged has the steps of creep to 1e5 s in one go, wherever it stands in a
+  // programme.
+  Stage warming = get_load_stage(1e6, 3);
+  warming.duration = 0.1; // no binary fraction: the sums of times round
+  const std::vector<Stage> whole = {get_load_stage(1e6, 2), warming, get_creep_stage(1e5, 3.), get_creep_stage(7., 1.)};
+  std::vector<Stage> first(whole.begin(), whole.begin() + 3);
+  first[2].duration = 1e3;
+  Progress progress, undisturbed;
+  std::vector<double> times = run_through(first, progress);
+  EXPECT_EQ(prolong_creep(first, progress).stage, 3u); // no more time: it stays where it is
+  progress = prolong_creep(whole, progress);
+  EXPECT_EQ(progress.stage, 2u);
+  const std::vector<double> later = run_through(whole, progress);
+  times.insert(times.end(), later.begin(), later.end());
+  EXPECT_EQ(times, run_through(whole, undisturbed));
+}
+
+TEST(LoadingProgramme, WhatHasEndedOtherwiseIsNotProlonged)
+{
+  // Law: a load that is over keeps its rate, and a creep that another stage has followed keeps its end.
+  Stage slow = get_load_stage(1e6, 2);
+  slow.duration = 10.;
+  std::vector<Stage> stages = {slow, get_creep_stage(100., 1.)};
+  Progress after_load = {.time = 10., .stage = 1, .stage_start = 10., .step = 2};
+  Progress in_creep = {.time = 20., .stage = 1, .stage_start = 10., .position = 10., .step = 3};
+  stages[0].duration = 20.;
+  EXPECT_EQ(get_error([&] { prolong_creep(stages, after_load); }),
+            "stage 'load' has ended at 10 s: only a creep that has just ended can be given more time; add a stage "
+            "instead");
+  EXPECT_EQ(prolong_creep(stages, in_creep).position, 10.);
 }
 
 TEST(LoadingProgramme, BadStagesAreNamed)
