@@ -1,0 +1,97 @@
+// Times the parts of a cycle one by one: forces, network, motion. Usage: kernel_benchmark [Google Benchmark's options];
+// SLOWSAND_PACKING=FILE names the packing, without it 2000 grains are made.
+
+#include "tests/benchmarks/engine_protocol.h"
+
+#include "dem/contact_forces.h"
+#include "dem/packing.h"
+#include "dem/packing_file.h"
+
+#include <benchmark/benchmark.h>
+
+#include <cstdlib>
+
+namespace
+{
+  using benchmarks::Protocol;
+
+  const dem::RevState &get_packing()
+  {
+    static const dem::RevState state = []() {
+      dem::RevState made;
+      if (const char *file = std::getenv("SLOWSAND_PACKING"))
+        made = dem::read_packing(file);
+      else
+        {
+          dem::PackingRule rule;
+          rule.n_grains = 2000;
+          rule.pressure = 9.6e6;
+          rule.friction = 0.275;
+          made = dem::generate_packing(rule, benchmarks::make_material(false), dem::DynamicsRule{}).state;
+        }
+      dem::update_true_masses(made.grains, dem::MotionRule{}.density);
+      return made;
+    }();
+    return state;
+  }
+
+  double compute_skin(const dem::RevState &state)
+  {
+    double sum = 0.;
+    for (const dem::Row &place : state.grains.place)
+      sum += place.w;
+    return dem::DynamicsRule{}.skin_share * sum / static_cast<double>(state.grains.size());
+  }
+
+  void report_grains(benchmark::State &bench, const dem::RevState &state)
+  {
+    bench.SetItemsProcessed(bench.iterations() * static_cast<std::int64_t>(state.grains.size()));
+  }
+
+  /** Arguments: rough, rotation free. */
+  void time_forces(benchmark::State &bench)
+  {
+    const dem::RevState &state = get_packing();
+    const dem::ContactLaw law = dem::make_contact_law(benchmarks::make_material(bench.range(0) != 0));
+    dem::ContactNetwork network = dem::build_contact_network(state, compute_skin(state));
+    dem::Motion motion;
+    motion.time_step = Protocol{}.time_step;
+    motion.is_rotation_free = bench.range(1) != 0;
+    dem::Forces forces;
+    for (auto _ : bench)
+      benchmark::DoNotOptimize(dem::compute_contact_forces(state, law, motion, network, forces).normal_force);
+    report_grains(bench, state);
+  }
+
+  void time_network(benchmark::State &bench)
+  {
+    const dem::RevState &state = get_packing();
+    for (auto _ : bench)
+      benchmark::DoNotOptimize(dem::build_contact_network(state, compute_skin(state)).size());
+    report_grains(bench, state);
+  }
+
+  /** Arguments: rough, rotation free. */
+  void time_cycle(benchmark::State &bench)
+  {
+    Protocol protocol;
+    protocol.is_rough = bench.range(0) != 0;
+    protocol.is_rotation_free = bench.range(1) != 0;
+    dem::RevState state = get_packing();
+    const dem::ContactLaw law = dem::make_contact_law(benchmarks::make_material(protocol.is_rough));
+    dem::Dynamics dynamics(state, law, benchmarks::make_rule(state, law, protocol));
+    dynamics.compute_forces();
+    const dem::Matrix increment = benchmarks::compute_strain_increment(protocol, dynamics.get_time_step());
+    for (auto _ : bench)
+      {
+        dynamics.advance(increment);
+        dynamics.compute_forces();
+      }
+    report_grains(bench, state);
+  }
+} // namespace
+
+BENCHMARK(time_forces)->ArgNames({"rough", "free"})->ArgsProduct({{0, 1}, {0, 1}})->Unit(benchmark::kMicrosecond);
+BENCHMARK(time_network)->Unit(benchmark::kMicrosecond);
+BENCHMARK(time_cycle)->ArgNames({"rough", "free"})->ArgsProduct({{0, 1}, {0, 1}})->Unit(benchmark::kMicrosecond);
+BENCHMARK_MAIN();
