@@ -222,7 +222,7 @@ namespace apps
     WrittenValues written;
     StageTexts stages;
     bvp.mesh.size = {1., 1., 1.};
-    // A carried Broyden pair can hold Newton at a point where no step helps (seen after a fracture at 21.7 MPa).
+    // A carried Broyden pair can mislead after a fracture; finding out costs evaluations (seen at 21.7 MPa).
     bvp.problem.newton.secant.kind = fem::SecantKind::anderson;
     bind_problem(binder, bvp, written);
     bind_mesh(binder, bvp.mesh, written);

@@ -52,6 +52,13 @@ namespace apps
         }
       return parts;
     }
+
+    std::string describe_refusal(const std::string &where, const std::string &path, const std::string &value,
+                                 const BadInput &allowed)
+    {
+      return fmt::format("{}: parameter '{}' = '{}' is not allowed; allowed: {}", where, path, value,
+                         std::string(allowed.what()));
+    }
   } // namespace
 
   bool Range::contains(const double value) const
@@ -81,6 +88,22 @@ namespace apps
     if (error != std::errc() || end != last || !std::isfinite(number) || !fits || !range.contains(number))
       throw BadInput(allowed);
     return number;
+  }
+
+  unsigned int ParameterBinder::read_number(const ParameterFile &file, const std::string &path, const Range &range,
+                                            const unsigned int otherwise)
+  {
+    const auto given = file.find(path);
+    if (!given)
+      return otherwise;
+    try
+      {
+        return static_cast<unsigned int>(parse_number(*given, range, true));
+      }
+    catch (const BadInput &allowed)
+      {
+        throw BadInput(describe_refusal(file.locate(path), path, *given, allowed));
+      }
   }
 
   void ParameterBinder::enter(const std::string &section)
@@ -172,8 +195,7 @@ namespace apps
           }
         catch (const BadInput &allowed)
           {
-            throw BadInput(fmt::format("{}: parameter '{}' = '{}' is not allowed; allowed: {}", entry.where, entry.path,
-                                       entry.value, std::string(allowed.what())));
+            throw BadInput(describe_refusal(entry.where, entry.path, entry.value, allowed));
           }
         for (const std::string &section : binding->sections)
           handler_.enter_subsection(section);

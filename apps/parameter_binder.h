@@ -56,6 +56,11 @@ namespace apps
     template <std::unsigned_integral Integer>
     void bind(const std::string &name, Integer &member, const Range &range, const std::string &text);
 
+    /** How many subsections there are, before they can be bound. Throws BadInput as read(). @param path "Section/Name"
+     */
+    static unsigned int read_number(const ParameterFile &file, const std::string &path, const Range &range,
+                                    unsigned int otherwise);
+
     /** A number that was needed before and is known by now: it is declared, and checked again, for the sake of
      * printing.
      */

@@ -8,8 +8,6 @@ namespace apps
 {
   namespace
   {
-    constexpr unsigned int largest_number_of_stages = 100;
-
     /** What the file gives as lists of numbers and the program as a tensor. */
     struct StageText
     {
@@ -83,19 +81,6 @@ namespace apps
       binder.leave();
     }
 
-    unsigned int read_number_of_stages(const ParameterFile &file, unsigned int n)
-    {
-      ParameterBinder binder;
-      binder.bind("Number of stages", n, {1., largest_number_of_stages}, "");
-      if (const auto given = file.find("Number of stages"))
-        {
-          ParameterFile alone;
-          alone.override_with("Number of stages=" + *given);
-          binder.read(alone);
-        }
-      return n;
-    }
-
     /** Which of the REV's stages contradicts itself, as a mistake in the file. */
     void check_stages(const ParameterBinder &binder, const std::vector<dem::LaboratoryStage> &stages)
     {
@@ -115,12 +100,13 @@ namespace apps
   {
     RevCase rev_case;
     const bool is_example = file.get_entries().empty();
-    unsigned int n_stages = read_number_of_stages(file, is_example ? 2 : 1);
+    const Range allowed{1., 100.};
+    const unsigned int n_stages = ParameterBinder::read_number(file, "Number of stages", allowed, is_example ? 2 : 1);
     rev_case.stages = make_default_stages(n_stages, is_example);
     std::vector<StageText> texts(n_stages);
 
     ParameterBinder binder;
-    binder.bind("Number of stages", n_stages, {1., largest_number_of_stages}, "Of the loading programme. Units: [-].");
+    binder.bind_fixed("Number of stages", n_stages, allowed, "Of the loading programme. Units: [-].");
     bind_rev_parameters(binder, rev_case.rev);
     binder.bind(
         "REV number", rev_case.rev.model.identity.rev, non_negative,

@@ -13,32 +13,6 @@ namespace apps
         {"traction", fem::ConditionKind::traction},
         {"pressure", fem::ConditionKind::pressure}};
 
-    /** Reads how many subsections there are before they can be declared. */
-    unsigned int read_number(const ParameterFile &file, const std::string &section, const std::string &name,
-                             unsigned int &number)
-    {
-      ParameterBinder counter;
-      counter.enter(section);
-      counter.bind(name, number, {1., 1000.}, "");
-      counter.leave();
-      const std::string path = section + "/" + name;
-      if (const auto given = file.find(path))
-        {
-          ParameterFile only;
-          only.override_with(path + "=" + *given);
-          try
-            {
-              counter.read(only);
-            }
-          catch (const BadInput &)
-            {
-              throw BadInput(fmt::format("{}: parameter '{}' = '{}' is not allowed; allowed: integer >= 1 and <= 1000",
-                                         file.locate(path), path, *given));
-            }
-        }
-      return number;
-    }
-
     void bind_condition(ParameterBinder &binder, fem::BoundaryCondition &condition)
     {
       binder.bind("Boundary", condition.boundary, "Name of a boundary of the mesh. Units: none.");
@@ -102,11 +76,12 @@ namespace apps
   void bind_conditions(const ParameterFile &file, ParameterBinder &binder,
                        std::vector<fem::BoundaryCondition> &conditions)
   {
-    static constexpr const char *section = "Boundary conditions", *name = "Number of conditions";
-    unsigned int number = 1;
-    conditions.resize(read_number(file, section, name, number));
-    binder.enter(section);
-    binder.bind_fixed(name, number, {1., 1000.}, "Sections 'Condition 1' and so on. Units: [-].");
+    const Range allowed{1., 1000.};
+    const unsigned int number =
+        ParameterBinder::read_number(file, "Boundary conditions/Number of conditions", allowed, 1);
+    conditions.resize(number);
+    binder.enter("Boundary conditions");
+    binder.bind_fixed("Number of conditions", number, allowed, "Sections 'Condition 1' and so on. Units: [-].");
     for (std::size_t i = 0; i < conditions.size(); ++i)
       {
         conditions[i].boundary = "bottom";
@@ -121,12 +96,13 @@ namespace apps
   void bind_stages(const ParameterFile &file, ParameterBinder &binder, std::vector<fem::Stage> &stages,
                    StageTexts &texts)
   {
-    static constexpr const char *section = "Loading", *name = "Number of stages";
-    unsigned int number = 1;
-    stages.resize(read_number(file, section, name, number));
+    const Range allowed{1., 1000.};
+    const unsigned int number = ParameterBinder::read_number(file, "Loading/Number of stages", allowed, 1);
+    stages.resize(number);
     texts.targets.resize(number);
-    binder.enter(section);
-    binder.bind_fixed(name, number, {1., 1000.}, "Sections 'Stage 1' and so on, one after another. Units: [-].");
+    binder.enter("Loading");
+    binder.bind_fixed("Number of stages", number, allowed,
+                      "Sections 'Stage 1' and so on, one after another. Units: [-].");
     for (std::size_t i = 0; i < stages.size(); ++i)
       {
         stages[i].name = fmt::format("stage {}", i + 1);

@@ -116,6 +116,10 @@ class BadInput(unittest.TestCase):
         self.change_case("set Grains = 60", "set Grains = -3")
         self.expect_refusal(self.run_program(self.case), "case.prm", f"line {self.line_of('-3')}", "Grains", "-3", ">= 10")
 
+    def test_number_of_stages_out_of_range(self):
+        self.change_case("Number of stages = 2", "Number of stages = 0")
+        self.expect_refusal(self.run_program(self.case), "case.prm", f"line {self.line_of('= 0')}", "Number of stages", ">= 1")
+
     def test_value_that_is_no_number(self):
         self.change_case("set Stress = 1e6", "set Stress = much")
         self.expect_refusal(self.run_program(self.case), f"line {self.line_of('much')}", "Stress", "much")
