@@ -13,5 +13,7 @@ if [ ${#arguments[@]} -gt 0 ] && [ "${arguments[0]#-}" = "${arguments[0]}" ]; th
   arguments=("${arguments[@]:1}")
 else
   make_packing 11497 "$packing"
+  # Near rest the codes agree within 0.1 %; twice the tangential stiffness in one of them is worth 2.6 % after 1000 steps.
+  arguments=(--tolerance 0.01 "${arguments[@]}")
 fi
 exec /usr/bin/python3 "$here/engine.py" "$packing" --benchmark "$program" --work "$work" "${arguments[@]}"
