@@ -1,155 +1,352 @@
 #include "dem/contact_forces.h"
 
-#include "dem/contact_block.h"
+#include "dem/contact_lanes.h"
 #include "dem/fracture.h"
 
 #include <algorithm>
-#include <cmath>
+#include <limits>
 
 namespace dem
 {
   namespace
   {
-    /** Half of what the spins of a pair do: (arm_a w_a + arm_b w_b) x n, and the mean turn of t about n. */
-    struct PairSpin
+    [[gnu::always_inline]] inline LaneVector apply(const Matrix &m, const LaneVector &v)
     {
-      Vector slip;  ///< velocity of b relative to a at the contact that comes from spins [m/s]
-      double twist; ///< mean angular velocity about the normal [1/s]
+      return {m(0, 0) * v.x + m(0, 1) * v.y + m(0, 2) * v.z, m(1, 0) * v.x + m(1, 1) * v.y + m(1, 2) * v.z,
+              m(2, 0) * v.x + m(2, 1) * v.y + m(2, 2) * v.z};
+    }
+
+    [[gnu::always_inline]] inline Lanes load(const double *from)
+    {
+      Lanes value;
+      __builtin_memcpy(&value, from, sizeof value);
+      return value;
+    }
+
+    [[gnu::always_inline]] inline void store(double *to, const Lanes value)
+    {
+      __builtin_memcpy(to, &value, sizeof value);
+    }
+
+    constexpr std::int64_t sign = std::numeric_limits<std::int64_t>::min();
+    constexpr RowMask opposite_force{sign, sign, sign, 0}; // b's stiffness adds up as a's does
+
+    /**
+     * The pairs of a block, some vectors at a time, in three stages with a small buffer between them: where pairs are and
+     * how hard they press, what shears them, and what grains get from it. Each stage is short enough for the processor
+     * to work on several vectors at once.
+     */
+    template <bool is_rough, bool is_rotation_free>
+    class PairLoop
+    {
+    public:
+      PairLoop(const ForceTask &task, ContactNetwork &network, Forces &forces)
+          : law_(task.law), grains_(task.state.grains), edges_(task.state.cell.edges),
+            strain_(task.motion.strain_increment), time_step_(task.motion.time_step),
+            has_contact_stress_(task.motion.has_contact_stress), network_(network), forces_(forces)
+      {}
+
+      /** Near pairs: both grains get their force at once. */
+      void run_near(const GrainBlock &block)
+      {
+        for (std::size_t k = block.near_begin; k < block.far_begin; k += pairs_at_once)
+          {
+            compute(k, block.far_begin);
+            for (std::size_t i = 0; i < n_vectors_; ++i)
+              give<false>(i, k + i * n_lanes, 0);
+          }
+      }
+
+      /** Far pairs: what the second grain gets waits in `far_force` and `far_torque`. */
+      void run_far(const GrainBlock &block)
+      {
+        for (std::size_t k = block.far_begin; k < block.far_end; k += pairs_at_once)
+          {
+            compute(k, block.far_end);
+            for (std::size_t i = 0; i < n_vectors_; ++i)
+              give<true>(i, k + i * n_lanes, block.first_far + (k + i * n_lanes - block.far_begin));
+          }
+      }
+
+      ContactSums finish() const
+      {
+        ContactSums sums;
+        for (int k = 0; k < 9; ++k)
+          sums.force_times_branch(k / 3, k % 3) = sum_lanes(moment_[k]);
+        sums.normal_force = sum_lanes(normal_force_);
+        sums.stiffness_moment = sum_lanes(stiffness_moment_);
+        for (int i = 0; i < n_lanes; ++i)
+          sums.n_touching += static_cast<std::size_t>(n_touching_[i]);
+        return sums;
+      }
+
+    private:
+      static constexpr std::size_t buffer_size = 8; // vectors: some kilobytes, a small part of the nearest cache
+      static constexpr std::size_t pairs_at_once = buffer_size * n_lanes;
+
+      [[gnu::always_inline]] void compute(const std::size_t k, const std::size_t end)
+      {
+        n_vectors_ = std::min(buffer_size, (end - k) / n_lanes);
+        for (std::size_t i = 0; i < n_vectors_; ++i)
+          press(i, k + i * n_lanes);
+        for (std::size_t i = 0; i < n_vectors_; ++i)
+          shear(i, k + i * n_lanes);
+      }
+
+      /** Where pairs k to k + 7 are, which of them touch, and how hard they press. */
+      [[gnu::always_inline]] void press(const std::size_t i, const std::size_t k)
+      {
+        const RowsOfLanes apart = load_differences(grains_.place.data(), &network_.a[k], &network_.b[k]);
+        const LaneVector fraction{apart.x - round_lanes(apart.x), apart.y - round_lanes(apart.y),
+                                  apart.z - round_lanes(apart.z)};
+        const LaneVector branch = apply(edges_, fraction);
+        const Lanes square = dot(branch, branch), sum = load(&network_.radius_sum[k]);
+        // A grain beside itself only fills a lane. Lanes that do not touch are computed too, where it does no harm.
+        const LaneMask is_touching = (square < sum * sum) & (square > 0.);
+        const Lanes harmless = select(is_touching, square, make_lanes(1.));
+        const Lanes inverse = compute_inverse_root(harmless), distance = harmless * inverse;
+        const Lanes overlap = keep(is_touching, compute_larger(sum - distance, Lanes{}));
+        const Lanes root = load(&network_.root_radius[k]);
+        const NormalLanes normal =
+            is_rough ? compute_rough_law(law_, overlap, root) : compute_hertz_law(law_, overlap, root);
+        is_touching_[i] = is_touching;
+        unit_[i] = {branch.x * inverse, branch.y * inverse, branch.z * inverse};
+        distance_[i] = distance;
+        normal_[i] = {keep(is_touching, normal.force), keep(is_touching, normal.stiffness)};
+        if constexpr (is_rotation_free)
+          {
+            arm_a_[i] = 0.5 * ((sum - apart.w) - overlap);
+            arm_b_[i] = 0.5 * ((sum + apart.w) - overlap);
+          }
+        if (has_contact_stress_)
+          {
+            store(&forces_.normal_force[k], normal_[i].force);
+            store(&forces_.overlap[k], overlap);
+          }
+      }
+
+      /** Brings the shear forces of pairs k to k + 7 up to date. */
+      [[gnu::always_inline]] void shear(const std::size_t i, const std::size_t k)
+      {
+        const LaneVector unit = unit_[i];
+        const LaneVector branch{unit.x * distance_[i], unit.y * distance_[i], unit.z * distance_[i]};
+        LaneVector before{load(&network_.shear_x[k]), load(&network_.shear_y[k]), load(&network_.shear_z[k])};
+        const RowsOfLanes faster = load_differences(grains_.velocity.data(), &network_.a[k], &network_.b[k]);
+        LaneVector step = add(apply(strain_, branch), make_lanes(time_step_), {faster.x, faster.y, faster.z});
+        if constexpr (is_rotation_free)
+          follow_spins(i, k, before, step);
+        const ShearLanes shear = compute_shear_law(law_, normal_[i], unit, before, step);
+        const LaneMask is_touching = is_touching_[i];
+        shear_[i] = {keep(is_touching, shear.force.x), keep(is_touching, shear.force.y),
+                     keep(is_touching, shear.force.z)};
+        store(&network_.shear_x[k], shear_[i].x);
+        store(&network_.shear_y[k], shear_[i].y);
+        store(&network_.shear_z[k], shear_[i].z);
+        // apart 0, sticks 1, slides 2: masks are -1 or 0
+        const LaneMask status = is_touching & (1 - shear.is_sliding);
+        using Bytes = std::int8_t __attribute__((vector_size(n_lanes)));
+        const Bytes bytes = __builtin_convertvector(status, Bytes);
+        __builtin_memcpy(&network_.status[k], &bytes, sizeof bytes);
+      }
+
+      /** Spins slide the surfaces at the contact, and turn the shear force about the normal by their mean. */
+      [[gnu::always_inline]] void follow_spins(const std::size_t i, const std::size_t k, LaneVector &shear,
+                                               LaneVector &step) const
+      {
+        const RowsOfLanes a = load_rows(grains_.spin.data(), &network_.a[k]);
+        const RowsOfLanes b = load_rows(grains_.spin.data(), &network_.b[k]);
+        const Lanes arm_a = arm_a_[i], arm_b = arm_b_[i];
+        const LaneVector rolling{arm_a * a.x + arm_b * b.x, arm_a * a.y + arm_b * b.y, arm_a * a.z + arm_b * b.z};
+        step = add(step, make_lanes(time_step_), cross(unit_[i], rolling));
+        const LaneVector both{a.x + b.x, a.y + b.y, a.z + b.z};
+        shear = add(shear, 0.5 * time_step_ * dot(both, unit_[i]), cross(unit_[i], shear));
+      }
+
+      /** Gives the grains of pairs k to k + 7 their forces, pair by pair. */
+      template <bool is_far>
+      [[gnu::always_inline]] void give(const std::size_t i, const std::size_t k, const std::size_t far)
+      {
+        const NormalLanes normal = normal_[i];
+        const LaneVector force = add(shear_[i], -normal.force, unit_[i]);
+        add_to_sums(i, force);
+        Row *const forces = forces_.force.data(), *const far_forces = forces_.far_force.data() + far;
+        give_rows({force.x, force.y, force.z, normal.stiffness}, [&](const int j, const RowLanes row) {
+          add_row(forces[network_.a[k + j]], row);
+          const RowLanes opposite = reinterpret_cast<RowLanes>(reinterpret_cast<RowMask>(row) ^ opposite_force);
+          if constexpr (is_far)
+            store_row(far_forces[j], opposite);
+          else
+            add_row(forces[network_.b[k + j]], opposite);
+        });
+        if constexpr (is_rotation_free)
+          give_torques<is_far>(i, k, far);
+      }
+
+      template <bool is_far>
+      [[gnu::always_inline]] void give_torques(const std::size_t i, const std::size_t k, const std::size_t far)
+      {
+        const LaneVector moment = cross(unit_[i], shear_[i]); // over the lever arm
+        const auto *const arm_a = reinterpret_cast<const LaneArray *>(&arm_a_[i]),
+                   *const arm_b = reinterpret_cast<const LaneArray *>(&arm_b_[i]);
+        Row *const torques = forces_.torque.data(), *const far_torques = forces_.far_torque.data() + far;
+        const Lanes stiffness = 0.5 * (arm_a_[i] + arm_b_[i]) * normal_[i].stiffness;
+        give_rows({moment.x, moment.y, moment.z, stiffness}, [&](const int j, const RowLanes row) {
+          add_row(torques[network_.a[k + j]], (*arm_a)[j] * row);
+          if constexpr (is_far)
+            store_row(far_torques[j], (*arm_b)[j] * row);
+          else
+            add_row(torques[network_.b[k + j]], (*arm_b)[j] * row);
+        });
+      }
+
+      [[gnu::always_inline]] void add_to_sums(const std::size_t i, const LaneVector &force)
+      {
+        const Lanes distance = distance_[i];
+        const LaneVector x{unit_[i].x * distance, unit_[i].y * distance, unit_[i].z * distance};
+        moment_[0] += force.x * x.x, moment_[1] += force.x * x.y, moment_[2] += force.x * x.z;
+        moment_[3] += force.y * x.x, moment_[4] += force.y * x.y, moment_[5] += force.y * x.z;
+        moment_[6] += force.z * x.x, moment_[7] += force.z * x.y, moment_[8] += force.z * x.z;
+        normal_force_ += normal_[i].force;
+        stiffness_moment_ += normal_[i].stiffness * distance * distance;
+        n_touching_ -= is_touching_[i];
+      }
+
+      using LaneArray [[gnu::may_alias]] = double[n_lanes];
+
+      const ContactLaw law_;
+      const Grains &grains_;
+      const Matrix edges_, strain_;
+      const double time_step_;
+      const bool has_contact_stress_;
+      ContactNetwork &network_;
+      Forces &forces_;
+
+      std::size_t n_vectors_ = 0; // in the buffer now
+      LaneMask is_touching_[buffer_size];
+      LaneVector unit_[buffer_size];   // (x_b - x_a) / distance
+      Lanes distance_[buffer_size];    // [m]
+      Lanes arm_a_[buffer_size], arm_b_[buffer_size]; // R - d/2 [m]
+      NormalLanes normal_[buffer_size];
+      LaneVector shear_[buffer_size]; // t on a [N]
+
+      // Sums over contacts, one a lane until the end of a block.
+      Lanes moment_[9] = {}, normal_force_ = {}, stiffness_moment_ = {};
+      LaneMask n_touching_ = {};
     };
 
-    PairSpin compute_spin(const Grains &grains, const ContactBlock &block, const std::size_t i, const std::uint32_t a,
-                          const std::uint32_t b)
+    template <bool is_rough, bool is_rotation_free>
+    ContactSums compute_block(const ForceTask &task, const GrainBlock &block, ContactNetwork &network, Forces &forces)
     {
-      const double half = 0.5 * block.overlap[i];
-      const double arm_a = grains.place[a].w - half, arm_b = grains.place[b].w - half;
-      const Vector normal = Vector(block.branch_x[i], block.branch_y[i], block.branch_z[i]) / block.distance[i];
-      const Vector spin_a = to_vector(grains.spin[a]), spin_b = to_vector(grains.spin[b]);
-      return {-(arm_a * spin_a + arm_b * spin_b).cross(normal), 0.5 * (spin_a + spin_b).dot(normal)};
+      std::fill(forces.force.begin() + block.grain_begin, forces.force.begin() + block.grain_end, Row{});
+      if constexpr (is_rotation_free)
+        std::fill(forces.torque.begin() + block.grain_begin, forces.torque.begin() + block.grain_end, Row{});
+      PairLoop<is_rough, is_rotation_free> loop(task, network, forces);
+      loop.run_near(block);
+      loop.run_far(block);
+      return loop.finish();
     }
 
-    /** Fetches shear forces and relative displacements of a block's pairs. */
-    template <bool is_rotation_free>
-    void gather_steps(const Grains &grains, const ContactNetwork &network, const Motion &motion, ContactBlock &block)
+    void take_incoming(const GrainBlock &block, const ContactNetwork &network, const std::vector<Row> &far,
+                       std::vector<Row> &rows)
     {
-      const Matrix l = motion.strain_increment;
-      const double dt = motion.time_step;
-      for (std::size_t i = 0; i < block.n; ++i)
+      for (std::size_t k = block.incoming_begin; k < block.incoming_end; ++k)
         {
-          const std::uint32_t a = network.a[block.pair[i]], b = network.b[block.pair[i]];
-          const Row &va = grains.velocity[a], &vb = grains.velocity[b];
-          const Row &shear = network.shear[block.pair[i]];
-          const double x = block.branch_x[i], y = block.branch_y[i], z = block.branch_z[i];
-          block.step_x[i] = (vb.x - va.x) * dt + (l(0, 0) * x + l(0, 1) * y + l(0, 2) * z);
-          block.step_y[i] = (vb.y - va.y) * dt + (l(1, 0) * x + l(1, 1) * y + l(1, 2) * z);
-          block.step_z[i] = (vb.z - va.z) * dt + (l(2, 0) * x + l(2, 1) * y + l(2, 2) * z);
-          block.shear_x[i] = shear.x;
-          block.shear_y[i] = shear.y;
-          block.shear_z[i] = shear.z;
-          if constexpr (is_rotation_free)
-            {
-              const PairSpin spin = compute_spin(grains, block, i, a, b);
-              block.step_x[i] += spin.slip.x() * dt;
-              block.step_y[i] += spin.slip.y() * dt;
-              block.step_z[i] += spin.slip.z() * dt;
-              const double turn = spin.twist * dt / block.distance[i];
-              block.shear_x[i] += turn * (y * shear.z - z * shear.y);
-              block.shear_y[i] += turn * (z * shear.x - x * shear.z);
-              block.shear_z[i] += turn * (x * shear.y - y * shear.x);
-            }
+          Row &row = rows[network.incoming_grain[k]];
+          store_row(row, load_row(row) + load_row(far[network.incoming_far[k]]));
         }
     }
 
-    void add(Row &row, const double x, const double y, const double z, const double w)
+    /** Sum of the fourth numbers, grain by grain: it must not depend on which pairs share a vector. */
+    double sum_stiffness(const std::vector<Row> &rows, const GrainBlock &block)
     {
-      row.x += x;
-      row.y += y;
-      row.z += z;
-      row.w += w;
-    }
-
-    void add_torques(const Grains &grains, const ContactBlock &block, const std::size_t i, const std::uint32_t a,
-                     const std::uint32_t b, Forces &forces)
-    {
-      const double half = 0.5 * block.overlap[i];
-      const double arm_a = grains.place[a].w - half, arm_b = grains.place[b].w - half;
-      const Vector normal = Vector(block.branch_x[i], block.branch_y[i], block.branch_z[i]) / block.distance[i];
-      const Vector moment = normal.cross(Vector(block.shear_x[i], block.shear_y[i], block.shear_z[i]));
-      const double k = block.stiffness[i];
-      add(forces.torque[a], arm_a * moment.x(), arm_a * moment.y(), arm_a * moment.z(), arm_a * arm_a * k);
-      add(forces.torque[b], arm_b * moment.x(), arm_b * moment.y(), arm_b * moment.z(), arm_b * arm_b * k);
-    }
-
-    /** Gives forces to the grains, pair by pair in the network's order, and shear forces back to the network. */
-    template <bool is_rotation_free>
-    void scatter(const Grains &grains, const ContactBlock &block, ContactNetwork &network, Forces &forces,
-                 ContactSums &sums)
-    {
-      Matrix moment = Matrix::Zero();
-      for (std::size_t i = 0; i < block.n; ++i)
+      RowLanes even{}, odd{};
+      std::size_t i = block.grain_begin;
+      for (; i + 1 < block.grain_end; i += 2)
         {
-          const std::size_t k = block.pair[i];
-          const std::uint32_t a = network.a[k], b = network.b[k];
-          const double x = block.branch_x[i], y = block.branch_y[i], z = block.branch_z[i];
-          const double along = block.force[i] / block.distance[i];
-          const double fx = block.shear_x[i] - along * x, fy = block.shear_y[i] - along * y,
-                       fz = block.shear_z[i] - along * z;
-          network.shear[k] = Row{block.shear_x[i], block.shear_y[i], block.shear_z[i], block.status[i]};
-          add(forces.force[a], fx, fy, fz, block.stiffness[i]);
-          add(forces.force[b], -fx, -fy, -fz, block.stiffness[i]);
-          if constexpr (is_rotation_free)
-            add_torques(grains, block, i, a, b, forces);
-          moment(0, 0) += fx * x, moment(0, 1) += fx * y, moment(0, 2) += fx * z;
-          moment(1, 0) += fy * x, moment(1, 1) += fy * y, moment(1, 2) += fy * z;
-          moment(2, 0) += fz * x, moment(2, 1) += fz * y, moment(2, 2) += fz * z;
-          sums.normal_force += block.force[i];
-          sums.stiffness_moment += block.stiffness[i] * block.distance[i] * block.distance[i];
+          even += load_row(rows[i]);
+          odd += load_row(rows[i + 1]);
         }
-      sums.force_times_branch += moment;
-      sums.n_touching += block.n;
+      if (i < block.grain_end)
+        even += load_row(rows[i]);
+      return even[3] + odd[3];
     }
 
-    void update_largest_stress(const ContactBlock &block, const ContactNetwork &network, const Grains &grains,
-                               Forces &forces)
+    /** Gives the grains of a block what far pairs of other blocks do to them. */
+    void finish_block(const GrainBlock &block, const ContactNetwork &network, const bool is_rotation_free,
+                      Forces &forces, ContactSums &sums)
     {
-      for (std::size_t i = 0; i < block.n; ++i)
-        {
-          const std::uint32_t a = network.a[block.pair[i]], b = network.b[block.pair[i]];
-          const double radius = compute_effective_radius(grains.place[a].w, grains.place[b].w);
-          const double stress = compute_contact_stress(block.force[i], radius, block.overlap[i]);
-          forces.largest_stress[a] = std::max(forces.largest_stress[a], stress);
-          forces.largest_stress[b] = std::max(forces.largest_stress[b], stress);
-        }
+      take_incoming(block, network, forces.far_force, forces.force);
+      sums.stiffness = sum_stiffness(forces.force, block);
+      if (!is_rotation_free)
+        return;
+      take_incoming(block, network, forces.far_torque, forces.torque);
+      sums.turning_stiffness = sum_stiffness(forces.torque, block);
     }
 
-    template <bool is_rotation_free>
-    ContactSums compute(const RevState &state, const ContactLaw &law, const Motion &motion, ContactNetwork &network,
-                        Forces &forces)
+    void update_largest_stress(const ContactNetwork &network, const Grains &grains, Forces &forces)
     {
-      ContactSums sums;
-      ContactBlock block;
-      for (std::size_t begin = 0; begin < network.size(); begin += ContactBlock::capacity)
+      forces.largest_stress.assign(grains.size(), 0.);
+      for (std::size_t k = 0; k < network.size(); ++k)
+        if (network.status[k] != PairStatus::is_apart)
+          {
+            const std::uint32_t a = network.a[k], b = network.b[k];
+            const double radius = compute_effective_radius(grains.place[a].w, grains.place[b].w);
+            const double stress = compute_contact_stress(forces.normal_force[k], radius, forces.overlap[k]);
+            forces.largest_stress[a] = std::max(forces.largest_stress[a], stress);
+            forces.largest_stress[b] = std::max(forces.largest_stress[b], stress);
+          }
+    }
+
+    void make_room(const ForceTask &task, const ContactNetwork &network, Forces &forces)
+    {
+      const std::size_t n_grains = task.state.grains.size(), n_far = network.n_far;
+      forces.force.resize(n_grains);
+      forces.far_force.resize(n_far);
+      if (task.motion.is_rotation_free)
         {
-          gather_touching(state, network, begin, std::min(begin + ContactBlock::capacity, network.size()), block);
-          apply_normal_law(law, block);
-          gather_steps<is_rotation_free>(state.grains, network, motion, block);
-          apply_shear_law(law, block);
-          scatter<is_rotation_free>(state.grains, block, network, forces, sums);
-          if (motion.has_contact_stress)
-            update_largest_stress(block, network, state.grains, forces);
+          forces.torque.resize(n_grains);
+          forces.far_torque.resize(n_far);
         }
-      return sums;
+      if (task.motion.has_contact_stress)
+        {
+          forces.normal_force.resize(network.size());
+          forces.overlap.resize(network.size());
+        }
+      forces.block_sums.resize(network.blocks.size());
     }
   } // namespace
+
+  ContactSums compute_contact_forces(const ForceTask &task, ContactNetwork &network, Forces &forces, Team &team)
+  {
+    make_room(task, network, forces);
+    const bool is_rough = task.law.roughness > 0., is_rotation_free = task.motion.is_rotation_free;
+    const auto compute = is_rough ? (is_rotation_free ? compute_block<true, true> : compute_block<true, false>)
+                                  : (is_rotation_free ? compute_block<false, true> : compute_block<false, false>);
+    team.run(network.blocks.size(), [&](const std::size_t k) {
+      forces.block_sums[k] = compute(task, network.blocks[k], network, forces);
+    });
+    team.run(network.blocks.size(), [&](const std::size_t k) {
+      finish_block(network.blocks[k], network, is_rotation_free, forces, forces.block_sums[k]);
+    });
+    ContactSums sums;
+    for (const ContactSums &part : forces.block_sums)
+      {
+        sums.force_times_branch += part.force_times_branch;
+        sums.normal_force += part.normal_force;
+        sums.stiffness += part.stiffness;
+        sums.turning_stiffness += part.turning_stiffness;
+        sums.stiffness_moment += part.stiffness_moment;
+        sums.n_touching += part.n_touching;
+      }
+    if (task.motion.has_contact_stress)
+      update_largest_stress(network, task.state.grains, forces);
+    return sums;
+  }
 
   ContactSums compute_contact_forces(const RevState &state, const ContactLaw &law, const Motion &motion,
                                      ContactNetwork &network, Forces &forces)
   {
-    forces.force.assign(state.grains.size(), Row{});
-    if (motion.is_rotation_free)
-      forces.torque.assign(state.grains.size(), Row{});
-    if (motion.has_contact_stress)
-      forces.largest_stress.assign(state.grains.size(), 0.);
-    return motion.is_rotation_free ? compute<true>(state, law, motion, network, forces)
-                                   : compute<false>(state, law, motion, network, forces);
+    Team alone(1);
+    return compute_contact_forces({state, law, motion}, network, forces, alone);
   }
 } // namespace dem

@@ -2,25 +2,33 @@
 
 #include "dem/contact_law.h"
 #include "dem/contact_network.h"
+#include "dem/team.h"
 
 namespace dem
 {
-  /** What acts on the grains. */
-  struct Forces
-  {
-    std::vector<Row> force;  ///< x, y, z [N]; w: sum of kn over the grain's contacts [N/m]
-    std::vector<Row> torque; ///< x, y, z [N m]; w: sum of kn (lever arm)^2 [N m]; filled when rotation is free
-    std::vector<double> largest_stress; ///< per grain, of N/(pi r' d) over its contacts [Pa]; filled when
-                                        ///< Motion::has_contact_stress
-  };
-
   /** Sums over all contacts, found on the way. */
   struct ContactSums
   {
     Matrix force_times_branch = Matrix::Zero(); ///< sum of f_a x (x_b - x_a) [N m]
     double normal_force = 0.;                   ///< sum of N [N]
+    double stiffness = 0.;                      ///< sum of kn over contacts of all grains, each contact twice [N/m]
+    double turning_stiffness = 0.;              ///< likewise of kn (lever arm)(mean lever arm) [N m]; free rotation only
     double stiffness_moment = 0.;               ///< sum of kn |x_b - x_a|^2 [N m]
     std::size_t n_touching = 0;
+  };
+
+  /** What acts on the grains, and room for its computation. */
+  struct Forces
+  {
+    std::vector<Row> force;  ///< x, y, z [N]; w: sum of kn over the grain's contacts [N/m]
+    std::vector<Row> torque; ///< x, y, z [N m]; w: sum of kn (lever arm)(mean lever arm)
+                             ///< [N m], half a row sum of the stiffness against spins; filled when rotation is free
+    std::vector<double> largest_stress; ///< per grain, of N/(pi r' d) over its contacts [Pa]; filled when
+                                        ///< Motion::has_contact_stress
+
+    std::vector<Row> far_force, far_torque; ///< what each far pair does to its second grain [N; N m]
+    std::vector<double> normal_force, overlap; ///< of each pair [N; m]; filled when Motion::has_contact_stress
+    std::vector<ContactSums> block_sums;
   };
 
   /** How the grains have moved since forces were last computed. */
@@ -32,13 +40,24 @@ namespace dem
     bool has_contact_stress = false;
   };
 
+  /** What forces follow from. */
+  struct ForceTask
+  {
+    const RevState &state;
+    const ContactLaw &law;
+    const Motion &motion;
+  };
+
   /**
    * The hot loop: forces of all touching pairs, their shear history brought up to date (docs/theory.md Eq. 12-13).
    *
    * Relative displacement at a contact: (v_b - v_a) dt + L dt (x_b - x_a) plus the spins' part. The shear force turns
    * with the contact plane (and with the grains' mean spin about the normal when they turn), grows by kt du_t with the
-   * current kn, and is capped at mu N.
+   * current kn, and is capped at mu N. The team shares the blocks of the network; the sums do not depend on its size.
    */
+  ContactSums compute_contact_forces(const ForceTask &task, ContactNetwork &network, Forces &forces, Team &team);
+
+  /** The same by the calling thread alone. */
   ContactSums compute_contact_forces(const RevState &state, const ContactLaw &law, const Motion &motion,
                                      ContactNetwork &network, Forces &forces);
 } // namespace dem

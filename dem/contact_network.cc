@@ -1,5 +1,7 @@
 #include "dem/contact_network.h"
 
+#include "dem/lanes.h"
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -8,99 +10,125 @@ namespace dem
 {
   namespace
   {
-    using Pair = std::pair<std::uint32_t, std::uint32_t>;
 
-    /** Grains sorted into boxes at least one reach wide, for pairs between neighbouring boxes. */
-    struct BoxGrid
+    /** Blocks of nearly equal size, an even number of them once there are two. */
+    void make_blocks(ContactNetwork &network, const std::size_t n_grains)
     {
-      std::array<int, 3> n;
-      std::vector<std::uint32_t> start, grain;
-
-      BoxGrid(const RevState &state, const double reach)
-      {
-        const Matrix inverse = state.cell.edges.inverse();
-        for (int k = 0; k < 3; ++k)
-          n[k] = std::max(1, static_cast<int>(1. / (inverse.row(k).norm() * reach)));
-        const std::size_t n_grains = state.grains.size();
-        std::vector<std::uint32_t> box(n_grains);
-        start.assign(static_cast<std::size_t>(n[0]) * n[1] * n[2] + 1, 0);
-        for (std::size_t i = 0; i < n_grains; ++i)
-          {
-            const Row &place = state.grains.place[i];
-            box[i] = index(locate(place.x, n[0]), locate(place.y, n[1]), locate(place.z, n[2]));
-            ++start[box[i] + 1];
-          }
-        std::partial_sum(start.begin(), start.end(), start.begin());
-        std::vector<std::uint32_t> next(start.begin(), start.end() - 1);
-        grain.resize(n_grains);
-        for (std::size_t i = 0; i < n_grains; ++i)
-          grain[next[box[i]]++] = static_cast<std::uint32_t>(i);
-      }
-
-      static int locate(const double fraction, const int n_boxes)
-      {
-        // Below zero only for a place that is not a number: the run will say so, the arrays must hold until then.
-        return std::clamp(static_cast<int>((fraction - std::floor(fraction)) * n_boxes), 0, n_boxes - 1);
-      }
-
-      std::uint32_t index(const int i, const int j, const int k) const
-      {
-        const auto wrap = [](const int value, const int n_boxes) { return (value + n_boxes) % n_boxes; };
-        return (wrap(k, n[2]) * n[1] + wrap(j, n[1])) * n[0] + wrap(i, n[0]);
-      }
-    };
-
-    /** Calls pair(i, j), i != j, once for each pair of grains in the same or neighbouring boxes. */
-    template <typename Visitor>
-    void for_each_neighbour_pair(const RevState &state, const double reach, const Visitor &pair)
-    {
-      const BoxGrid grid(state, reach);
-      const bool is_small = std::min({grid.n[0], grid.n[1], grid.n[2]}) < 3; // a box would be its own neighbour twice
-      if (is_small)
+      const std::size_t n_full = (n_grains + grains_per_block - 1) / grains_per_block;
+      const std::size_t n_blocks = n_full < 2 ? 1 : n_full + n_full % 2;
+      network.blocks.resize(n_blocks);
+      for (std::size_t k = 0; k < n_blocks; ++k)
         {
-          for (std::uint32_t i = 0; i < state.grains.size(); ++i)
-            for (std::uint32_t j = i + 1; j < state.grains.size(); ++j)
-              pair(i, j);
-          return;
+          network.blocks[k].grain_begin = n_grains * k / n_blocks;
+          network.blocks[k].grain_end = n_grains * (k + 1) / n_blocks;
         }
-      for (int k = 0; k < grid.n[2]; ++k)
-        for (int j = 0; j < grid.n[1]; ++j)
-          for (int i = 0; i < grid.n[0]; ++i)
-            for (int neighbour = 13; neighbour < 27; ++neighbour) // itself and one of each two opposite ones
+    }
+
+    void append(ContactNetwork &network, const NearPair &pair, const std::vector<Row> &place)
+    {
+      network.a.push_back(pair.a);
+      network.b.push_back(pair.b);
+      network.radius_sum.push_back(place[pair.a].w + place[pair.b].w);
+      network.root_radius.push_back(std::sqrt(compute_effective_radius(place[pair.a].w, place[pair.b].w)));
+    }
+
+    /** Fills the last vector of a list. */
+    void fill_up(ContactNetwork &network, const std::size_t grain)
+    {
+      while (network.a.size() % n_lanes != 0)
+        {
+          network.a.push_back(static_cast<std::uint32_t>(grain));
+          network.b.push_back(static_cast<std::uint32_t>(grain));
+          network.radius_sum.push_back(0.);
+          network.root_radius.push_back(0.);
+        }
+    }
+
+    /** Pairs block by block, near ones first. @return place of each pair of `pairs` in the network */
+    std::vector<std::uint32_t> lay_out_pairs(ContactNetwork &network, const std::vector<NearPair> &pairs,
+                                             const std::vector<Row> &place)
+    {
+      std::vector<std::uint32_t> place_of_pair(pairs.size());
+      std::size_t begin = 0;
+      for (GrainBlock &block : network.blocks)
+        {
+          std::size_t end = begin;
+          block.near_begin = network.a.size();
+          for (; end < pairs.size() && pairs[end].a < block.grain_end; ++end)
+            if (pairs[end].b < block.grain_end)
               {
-                const std::uint32_t here = grid.index(i, j, k);
-                const std::uint32_t there =
-                    grid.index(i + neighbour % 3 - 1, j + neighbour / 3 % 3 - 1, k + neighbour / 9 - 1);
-                for (std::uint32_t p = grid.start[here]; p < grid.start[here + 1]; ++p)
-                  for (std::uint32_t q = here == there ? p + 1 : grid.start[there]; q < grid.start[there + 1]; ++q)
-                    pair(std::min(grid.grain[p], grid.grain[q]), std::max(grid.grain[p], grid.grain[q]));
+                place_of_pair[end] = static_cast<std::uint32_t>(network.a.size());
+                append(network, pairs[end], place);
               }
+          fill_up(network, block.grain_begin);
+          block.far_begin = network.a.size();
+          block.first_far = network.n_far;
+          for (; begin < end; ++begin)
+            if (pairs[begin].b >= block.grain_end)
+              {
+                place_of_pair[begin] = static_cast<std::uint32_t>(network.a.size());
+                append(network, pairs[begin], place);
+              }
+          fill_up(network, block.grain_begin);
+          block.far_end = network.a.size();
+          network.n_far += block.far_end - block.far_begin;
+        }
+      return place_of_pair;
+    }
+
+    /** Far pairs sorted by their second grain, those of one grain in their own order. */
+    void list_incoming(ContactNetwork &network, const std::size_t n_grains)
+    {
+      std::vector<std::uint32_t> start(n_grains + 1, 0);
+      for (const GrainBlock &block : network.blocks)
+        for (std::size_t k = block.far_begin; k < block.far_end; ++k)
+          if (network.is_pair(k))
+            ++start[network.b[k] + 1];
+      std::partial_sum(start.begin(), start.end(), start.begin());
+      for (GrainBlock &block : network.blocks)
+        {
+          block.incoming_begin = start[block.grain_begin];
+          block.incoming_end = start[block.grain_end];
+        }
+      network.incoming_far.resize(start.back());
+      network.incoming_grain.resize(start.back());
+      for (const GrainBlock &block : network.blocks)
+        for (std::size_t k = block.far_begin; k < block.far_end; ++k)
+          if (network.is_pair(k))
+          {
+            const std::uint32_t place = start[network.b[k]]++;
+            network.incoming_far[place] = static_cast<std::uint32_t>(block.first_far + (k - block.far_begin));
+            network.incoming_grain[place] = network.b[k];
+          }
     }
 
     /** Hands the shear forces of touching pairs over to the pairs of a new network. */
-    void restore_memories(ContactNetwork &network, const std::vector<ContactMemory> &memories)
+    void restore_memories(ContactNetwork &network, const std::vector<NearPair> &pairs,
+                          const std::vector<std::uint32_t> &place_of_pair, const RevState &state)
     {
-      const auto key = [](std::uint32_t a, std::uint32_t b) {
-        return std::uint64_t(std::min(a, b)) << 32 | std::max(a, b);
-      };
-      std::vector<std::pair<std::uint64_t, std::size_t>> sorted(memories.size());
-      for (std::size_t i = 0; i < memories.size(); ++i)
-        sorted[i] = {key(memories[i].a, memories[i].b), i};
-      std::sort(sorted.begin(), sorted.end());
-      auto next = sorted.begin();
-      for (std::size_t i = 0; i < network.size(); ++i)
+      std::vector<std::uint32_t> start(state.grains.size() + 1, 0); // of the pairs of each first grain
+      for (const NearPair &pair : pairs)
+        ++start[pair.a + 1];
+      std::partial_sum(start.begin(), start.end(), start.begin());
+      for (const ContactMemory &memory : state.contacts)
         {
-          const std::uint64_t wanted = key(network.a[i], network.b[i]);
-          while (next != sorted.end() && next->first < wanted)
-            ++next;
-          if (next == sorted.end() || next->first != wanted)
-            continue;
-          const ContactMemory &memory = memories[next->second];
-          const Vector t = memory.a < memory.b ? memory.shear_force : Vector(-memory.shear_force);
-          network.shear[i] = {t.x(), t.y(), t.z(), memory.is_sliding ? pair_slides : pair_sticks};
+          const auto [a, b] = std::minmax(memory.a, memory.b);
+          for (std::uint32_t k = start[a]; k < start[a + 1]; ++k)
+            if (pairs[k].b == b)
+              network.set_shear(place_of_pair[k],
+                                memory.a < memory.b ? memory.shear_force : Vector(-memory.shear_force),
+                                memory.is_sliding ? PairStatus::slides : PairStatus::sticks);
         }
     }
   } // namespace
+
+  void ContactNetwork::set_shear(const std::size_t k, const Vector &force, const PairStatus now)
+  {
+    shear_x[k] = force.x();
+    shear_y[k] = force.y();
+    shear_z[k] = force.z();
+    status[k] = now;
+  }
 
   Vector compute_branch(const Cell &cell, const Row &place_a, const Row &place_b)
   {
@@ -123,34 +151,29 @@ namespace dem
     return compute_narrowest_width(cell) > 2. * reach;
   }
 
-  ContactNetwork build_contact_network(const RevState &state, const double skin)
+  ContactNetwork build_contact_network(const RevState &state, const double skin, ContactSearch &search)
   {
     ContactNetwork network;
     network.skin = skin;
     network.reach = compute_reach(state.grains, skin);
     network.place_when_built = state.grains.place;
     network.edges_when_built = state.cell.edges;
-    std::vector<Pair> pairs;
-    pairs.reserve(8 * state.grains.size());
-    const auto &place = state.grains.place;
-    for_each_neighbour_pair(state, compute_reach(state.grains, skin),
-                            [&](const std::uint32_t i, const std::uint32_t j) {
-                              const double reach = place[i].w + place[j].w + skin;
-                              if (compute_branch(state.cell, place[i], place[j]).squaredNorm() < reach * reach)
-                                pairs.emplace_back(i, j);
-                            });
-    std::sort(pairs.begin(), pairs.end());
+    make_blocks(network, state.grains.size());
+    const std::vector<NearPair> &pairs = search.list_near_pairs(state.cell, state.grains.place, skin);
+    const auto place_of_pair = lay_out_pairs(network, pairs, state.grains.place);
+    list_incoming(network, state.grains.size());
 
-    network.a.reserve(pairs.size());
-    network.b.reserve(pairs.size());
-    for (const auto &[a, b] : pairs)
-      {
-        network.a.push_back(a);
-        network.b.push_back(b);
-      }
-    network.shear.assign(pairs.size(), Row{0., 0., 0., pair_is_apart});
-    restore_memories(network, state.contacts);
+    for (auto *shear : {&network.shear_x, &network.shear_y, &network.shear_z})
+      shear->assign(network.size(), 0.);
+    network.status.assign(network.size(), PairStatus::is_apart);
+    restore_memories(network, pairs, place_of_pair, state);
     return network;
+  }
+
+  ContactNetwork build_contact_network(const RevState &state, const double skin)
+  {
+    ContactSearch search;
+    return build_contact_network(state, skin, search);
   }
 
   double compute_used_skin(const ContactNetwork &network, const Cell &cell, const Grains &grains)
@@ -169,8 +192,8 @@ namespace dem
   {
     std::vector<ContactMemory> memories;
     for (std::size_t i = 0; i < network.size(); ++i)
-      if (const Row &shear = network.shear[i]; shear.w != pair_is_apart)
-        memories.push_back({network.a[i], network.b[i], to_vector(shear), shear.w == pair_slides});
+      if (network.status[i] != PairStatus::is_apart)
+        memories.push_back({network.a[i], network.b[i], network.get_shear(i), network.status[i] == PairStatus::slides});
     return memories;
   }
 

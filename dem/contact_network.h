@@ -2,6 +2,7 @@
 
 #include "dem/contact.h"
 #include "dem/contact_law.h"
+#include "dem/contact_search.h"
 #include "dem/rev_state.h"
 
 #include <span>
@@ -9,24 +10,56 @@
 
 namespace dem
 {
-  /** What a candidate pair is at the moment; stored in the w of its shear row. */
-  inline constexpr double pair_is_apart = 0., pair_sticks = 1., pair_slides = 2.;
+  inline constexpr std::size_t grains_per_block = 1024; ///< at most
+
+  /** What a candidate pair is at the moment. */
+  enum class PairStatus : std::uint8_t
+  {
+    is_apart,
+    sticks,
+    slides
+  };
+
+  /**
+   * Some grains next to each other in storage, and the pairs whose first grain is one of them: near pairs, the second
+   * grain in the same block, then far pairs. A block is the unit of work that threads share; blocks depend on the number
+   * of grains alone, so that sums do not depend on the number of threads.
+   */
+  struct GrainBlock
+  {
+    std::size_t grain_begin, grain_end;
+    std::size_t near_begin, far_begin, far_end; ///< places of pairs, multiples of the number of lanes
+    std::size_t first_far;                      ///< place of its first far pair among all far pairs
+    std::size_t incoming_begin, incoming_end;   ///< far pairs of other blocks whose second grain is here
+  };
 
   /**
    * The pairs that may touch, grain a before grain b, and what touching pairs remember. Valid until a grain has moved
    * half the skin. Built from a state alone, by a fixed rule: the order of pairs is the order in which forces are
    * summed, and a restart must find the same.
+   *
+   * Each list is filled up to whole vectors of lanes with grains beside themselves, which touch nothing.
    */
   struct ContactNetwork
   {
     std::vector<std::uint32_t> a, b;
-    std::vector<Row> shear; ///< x, y, z: shear force on a [N]; w: pair_is_apart, pair_sticks or pair_slides
+    std::vector<double> radius_sum;                ///< Ra + Rb [m]
+    std::vector<double> root_radius;               ///< sqrt(R*) [m^0.5]
+    std::vector<double> shear_x, shear_y, shear_z; ///< shear force on a [N]; zero where apart
+    std::vector<PairStatus> status;
+
+    std::vector<GrainBlock> blocks;
+    std::vector<std::uint32_t> incoming_far, incoming_grain; ///< far pairs by their second grain, and that grain
 
     double skin = 0., reach = 0.; ///< [m]
     std::vector<Row> place_when_built;
     Matrix edges_when_built = Matrix::Identity();
+    std::size_t n_far = 0; ///< room for far pairs
 
     std::size_t size() const { return a.size(); }
+    bool is_pair(const std::size_t k) const { return a[k] != b[k]; }
+    Vector get_shear(const std::size_t k) const { return {shear_x[k], shear_y[k], shear_z[k]}; }
+    void set_shear(std::size_t k, const Vector &force, PairStatus now);
   };
 
   /** Largest reach of a pair: twice the largest radius plus the skin [m]. */
@@ -36,6 +69,9 @@ namespace dem
   bool is_wide_enough(const Cell &cell, double reach);
 
   /** @pre is_wide_enough(state.cell, compute_reach(state.grains, skin)) */
+  ContactNetwork build_contact_network(const RevState &state, double skin, ContactSearch &search);
+
+  /** The same for who builds once. */
   ContactNetwork build_contact_network(const RevState &state, double skin);
 
   /** How much of the skin has been used up [m]; a pair outside the network may touch once this exceeds the skin. */

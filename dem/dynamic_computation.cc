@@ -57,7 +57,9 @@ namespace dem
   {
     const double start = state.time;
     Cracking cracks(state, rule.law, cracking);
-    RestReport report = bring_to_rest(state, rule, control, [&](Dynamics &dynamics) { cracks.act(dynamics); });
+    RestRule watching = rule;
+    watching.dynamics.has_contact_stress = true; // cracks may grow in every cycle
+    RestReport report = bring_to_rest(state, watching, control, [&](Dynamics &dynamics) { cracks.act(dynamics); });
     report.duration = state.time - start;
     return report;
   }

@@ -40,10 +40,10 @@ namespace dem
   } // namespace
 
   Dynamics::Dynamics(RevState &state, const ContactLaw &law, const DynamicsRule &rule)
-      : state_(state), law_(law), rule_(rule)
+      : state_(state), law_(law), rule_(rule), team_(rule.n_threads)
   {
     motion_.is_rotation_free = rule.motion.is_rotation_free;
-    motion_.has_contact_stress = rule.motion.has_true_masses; // cracks may grow in every cycle
+    motion_.has_contact_stress = rule.has_contact_stress;
     if (!rule.motion.has_true_masses)
       take_velocities_away(state_.grains);
     rebuild();
@@ -53,6 +53,10 @@ namespace dem
   {
     motion_.time_step = 0.;
     motion_.strain_increment.setZero();
+    has_masses_ = false;
+    // Crushing leaves siblings at the end of the store. A REV of one block lies in the nearest cache in any order.
+    if (state_.grains.size() > grains_per_block)
+      sort_in_space(state_);
     build_network();
   }
 
@@ -62,7 +66,7 @@ namespace dem
     const double skin = rule_.skin_share * compute_mean_radius(state_.grains);
     is_wide_enough_ = dem::is_wide_enough(state_.cell, compute_reach(state_.grains, skin));
     if (is_wide_enough_)
-      network_ = build_contact_network(state_, skin);
+      network_ = build_contact_network(state_, skin, search_);
     travel_ = 0.;
   }
 
@@ -81,19 +85,26 @@ namespace dem
               return;
           }
       }
-    sums_ = compute_contact_forces(state_, law_, motion_, network_, forces_);
-    if (kinetics_.inverse_mass.size() != state_.grains.size())
+    sums_ = compute_contact_forces({state_, law_, motion_}, network_, forces_, team_);
+    if (!has_masses_)
       refresh_masses();
   }
 
   void Dynamics::refresh_masses()
   {
-    update_kinetics(kinetics_, rule_.motion, state_.grains, forces_);
+    update_kinetics(kinetics_, rule_.motion, state_.grains, forces_, sums_);
+    has_masses_ = true;
   }
 
   void Dynamics::advance(const Matrix &strain_increment)
   {
-    const double step = advance_grains(state_.grains, state_.cell, forces_, kinetics_, rule_.motion);
+    const MotionTask task{state_.cell, forces_, kinetics_, rule_.motion};
+    block_steps_.resize(network_.blocks.size());
+    team_.run(network_.blocks.size(), [&](const std::size_t k) {
+      const GrainBlock &block = network_.blocks[k];
+      block_steps_[k] = advance_grains(state_.grains, block.grain_begin, block.grain_end, task);
+    });
+    const double step = *std::max_element(block_steps_.begin(), block_steps_.end());
     travel_ += step + 0.5 * strain_increment.norm() * network_.reach;
     if (!strain_increment.isZero(0.))
       state_.cell.deform(Matrix::Identity() + strain_increment);

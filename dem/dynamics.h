@@ -8,7 +8,9 @@ namespace dem
   struct DynamicsRule
   {
     MotionRule motion;
-    double skin_share = 0.2; ///< skin of the contact network over the mean radius [-]
+    double skin_share = 0.2;   ///< skin of the contact network over the mean radius [-]
+    bool has_contact_stress = false; ///< the largest contact stress of each grain is kept up to date
+    std::size_t n_threads = 1; ///< that share the grains of one REV; results do not depend on it
   };
 
   /**
@@ -51,7 +53,7 @@ namespace dem
     double get_time_step() const { return kinetics_.time_step; }
     double get_last_step() const { return motion_.time_step; } ///< that led to the present places [s]; 0: none
     std::size_t get_n_cycles() const { return n_cycles_; }
-    /** Largest contact stress of each grain [Pa]; with true masses only. */
+    /** Largest contact stress of each grain [Pa], where the rule has it. */
     const std::vector<double> &get_largest_contact_stress() const { return forces_.largest_stress; }
     const ContactNetwork &get_network() const { return network_; }
 
@@ -61,11 +63,15 @@ namespace dem
     RevState &state_;
     const ContactLaw &law_;
     const DynamicsRule rule_;
+    ContactSearch search_;
     ContactNetwork network_;
     Forces forces_;
     Kinetics kinetics_;
     ContactSums sums_;
     Motion motion_;
+    Team team_;
+    std::vector<double> block_steps_; // largest step of a grain in each block [m]
+    bool has_masses_ = false;
     double travel_ = 0.; // bound on any grain's way since the network was built [m]
     bool is_wide_enough_ = true;
     std::size_t n_cycles_ = 0;

@@ -33,6 +33,17 @@ namespace dem
     for_each_array([to, from](auto &array, const auto &other) { array[to] = other[from]; }, *this, source);
   }
 
+  void Grains::permute(const std::vector<std::uint32_t> &order)
+  {
+    const auto permute = [&order](auto &array) {
+      auto permuted = array;
+      for (std::size_t i = 0; i < order.size(); ++i)
+        permuted[i] = array[order[i]];
+      array.swap(permuted);
+    };
+    for_each_array(permute, *this);
+  }
+
   void Grains::keep(const std::vector<bool> &is_kept)
   {
     const auto compact = [&is_kept](auto &array) {

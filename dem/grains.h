@@ -39,6 +39,9 @@ namespace dem
     /** Copies grain `from` of `source` into place `to` of this. */
     void assign(std::size_t to, const Grains &source, std::size_t from);
 
+    /** Grain `order[i]` comes to place i. @pre order is a permutation */
+    void permute(const std::vector<std::uint32_t> &order);
+
     /** Keeps the grains whose flag is set, in their order. @pre is_kept.size() == size() */
     void keep(const std::vector<bool> &is_kept);
   };

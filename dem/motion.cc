@@ -1,5 +1,7 @@
 #include "dem/motion.h"
 
+#include "dem/lanes.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -9,27 +11,11 @@ namespace dem
 {
   namespace
   {
-    void update_scaled_masses(std::vector<double> &inverse_mass, const std::vector<Row> &forces)
-    {
-      double mean = 0.;
-      for (const Row &force : forces)
-        mean += force.w;
-      mean /= static_cast<double>(std::max<std::size_t>(1, forces.size()));
-      const double smallest = mean > 0. ? 0.2 * mean : 1.;
-      inverse_mass.resize(forces.size());
-      for (std::size_t i = 0; i < forces.size(); ++i)
-        inverse_mass[i] = 1. / std::max(forces[i].w, smallest);
-    }
-
     void update_time_step(Kinetics &kinetics, const MotionRule &rule, const Grains &grains, const Forces &forces)
     {
       double smallest_square = std::numeric_limits<double>::infinity();
-      kinetics.inverse_mass.resize(grains.size());
-      kinetics.inverse_inertia.resize(grains.size());
       for (std::size_t i = 0; i < grains.size(); ++i)
         {
-          kinetics.inverse_mass[i] = 1. / grains.velocity[i].w;
-          kinetics.inverse_inertia[i] = 1. / grains.spin[i].w;
           if (forces.force[i].w > 0.)
             smallest_square = std::min(smallest_square, 2. * grains.velocity[i].w / forces.force[i].w);
           if (rule.is_rotation_free && forces.torque[i].w > 0.)
@@ -39,17 +25,45 @@ namespace dem
         kinetics.time_step = rule.time_step_share * std::sqrt(smallest_square);
     }
 
-    double damp(const double force, const double velocity, const double alpha)
+    constexpr RowMask is_component{-1, -1, -1, 0}; // not the mass beside them
+
+    /** What local damping leaves of a force: F - alpha |F| sign(v). */
+    [[gnu::always_inline]] inline RowLanes damp(const RowLanes force, const RowLanes velocity, const double alpha)
     {
-      const double sign = velocity > 0. ? 1. : (velocity < 0. ? -1. : 0.);
-      return force - alpha * std::abs(force) * sign;
+      constexpr std::int64_t sign = std::numeric_limits<std::int64_t>::min();
+      const RowMask size = reinterpret_cast<RowMask>(force) & ~sign;
+      const RowMask brake = (size | (reinterpret_cast<RowMask>(velocity) & sign)) & (velocity != 0.);
+      return force - alpha * reinterpret_cast<RowLanes>(brake);
     }
 
-    void accelerate(Row &velocity, const Row &force, const double step_over_mass, const double alpha)
+    /** @return the new velocity or spin; its mass or inertia stays */
+    [[gnu::always_inline]] inline RowLanes accelerate(const RowLanes velocity, const RowLanes force,
+                                                      const double step_over_mass, const double alpha)
     {
-      velocity.x += step_over_mass * damp(force.x, velocity.x, alpha);
-      velocity.y += step_over_mass * damp(force.y, velocity.y, alpha);
-      velocity.z += step_over_mass * damp(force.z, velocity.z, alpha);
+      const RowLanes change = step_over_mass * damp(force, velocity, alpha);
+      return velocity + reinterpret_cast<RowLanes>(reinterpret_cast<RowMask>(change) & is_component);
+    }
+
+    /** Columns of a matrix as rows of four. */
+    struct Columns
+    {
+      RowLanes x, y, z;
+
+      explicit Columns(const Matrix &m)
+          : x{m(0, 0), m(1, 0), m(2, 0), 0.}, y{m(0, 1), m(1, 1), m(2, 1), 0.}, z{m(0, 2), m(1, 2), m(2, 2), 0.}
+      {}
+    };
+
+    void spin_grains(Grains &grains, const std::size_t begin, const std::size_t end, const MotionTask &task)
+    {
+      const double dt = task.kinetics.time_step, smallest = task.kinetics.smallest_inertia;
+      const bool is_true = task.rule.has_true_masses;
+      for (std::size_t i = begin; i < end; ++i)
+        {
+          const RowLanes torque = load_row(task.forces.torque[i]), spin = load_row(grains.spin[i]);
+          const double inertia = is_true ? spin[3] : std::max(torque[3], smallest);
+          store_row(grains.spin[i], accelerate(spin, torque, dt / inertia, task.rule.local_damping));
+        }
     }
   } // namespace
 
@@ -63,39 +77,37 @@ namespace dem
       }
   }
 
-  void update_kinetics(Kinetics &kinetics, const MotionRule &rule, const Grains &grains, const Forces &forces)
+  void update_kinetics(Kinetics &kinetics, const MotionRule &rule, const Grains &grains, const Forces &forces,
+                       const ContactSums &sums)
   {
     if (rule.has_true_masses)
       return update_time_step(kinetics, rule, grains, forces);
+    const double n = static_cast<double>(std::max<std::size_t>(1, grains.size()));
     kinetics.time_step = 1.;
-    update_scaled_masses(kinetics.inverse_mass, forces.force);
-    if (rule.is_rotation_free)
-      update_scaled_masses(kinetics.inverse_inertia, forces.torque);
+    kinetics.smallest_mass = sums.stiffness > 0. ? 0.2 * (sums.stiffness / n) : 1.;
+    kinetics.smallest_inertia = sums.turning_stiffness > 0. ? 0.2 * (sums.turning_stiffness / n) : 1.;
   }
 
-  double advance_grains(Grains &grains, const Cell &cell, const Forces &forces, const Kinetics &kinetics,
-                        const MotionRule &rule)
+  double advance_grains(Grains &grains, const std::size_t begin, const std::size_t end, const MotionTask &task)
   {
-    const Matrix to_fraction = cell.edges.inverse() * kinetics.time_step;
-    const double i00 = to_fraction(0, 0), i01 = to_fraction(0, 1), i02 = to_fraction(0, 2), i10 = to_fraction(1, 0),
-                 i11 = to_fraction(1, 1), i12 = to_fraction(1, 2), i20 = to_fraction(2, 0), i21 = to_fraction(2, 1),
-                 i22 = to_fraction(2, 2);
-    double largest_square = 0.;
-    for (std::size_t i = 0; i < grains.size(); ++i)
+    const double dt = task.kinetics.time_step, smallest = task.kinetics.smallest_mass;
+    const bool is_true = task.rule.has_true_masses;
+    const Columns to_fraction(task.cell.edges.inverse() * dt);
+    RowLanes largest_square{};
+    for (std::size_t i = begin; i < end; ++i)
       {
-        Row &v = grains.velocity[i];
-        accelerate(v, forces.force[i], kinetics.time_step * kinetics.inverse_mass[i], rule.local_damping);
-        largest_square = std::max(largest_square, v.x * v.x + v.y * v.y + v.z * v.z);
-        Row &place = grains.place[i];
-        place.x += i00 * v.x + i01 * v.y + i02 * v.z;
-        place.y += i10 * v.x + i11 * v.y + i12 * v.z;
-        place.z += i20 * v.x + i21 * v.y + i22 * v.z;
+        const RowLanes force = load_row(task.forces.force[i]), before = load_row(grains.velocity[i]);
+        const double mass = is_true ? before[3] : std::max(force[3], smallest);
+        const RowLanes v = accelerate(before, force, dt / mass, task.rule.local_damping);
+        store_row(grains.velocity[i], v);
+        store_row(grains.place[i],
+                  load_row(grains.place[i]) + v[0] * to_fraction.x + v[1] * to_fraction.y + v[2] * to_fraction.z);
+        const RowLanes square = v * v;
+        largest_square = square > largest_square ? square : largest_square;
       }
-    if (rule.is_rotation_free)
-      for (std::size_t i = 0; i < grains.size(); ++i)
-        accelerate(grains.spin[i], forces.torque[i], kinetics.time_step * kinetics.inverse_inertia[i],
-                   rule.local_damping);
-    return std::sqrt(largest_square) * kinetics.time_step;
+    if (task.rule.is_rotation_free)
+      spin_grains(grains, begin, end, task);
+    return std::sqrt(largest_square[0] + largest_square[1] + largest_square[2]) * dt;
   }
 
   double compute_mean_resultant(const Forces &forces)

@@ -14,12 +14,12 @@ namespace dem
     double time_step_share = 0.5;  ///< time step over the critical one, true masses [-]
   };
 
-  /** Masses as the motion uses them, and the time step that they allow. */
+  /** What the motion takes from the present contacts. */
   struct Kinetics
   {
-    std::vector<double> inverse_mass;    ///< [1/kg]
-    std::vector<double> inverse_inertia; ///< [1/(kg m2)]
-    double time_step = 1.;               ///< [s], or 1 cycle
+    double smallest_mass = 1.;    ///< scaled masses only [kg]
+    double smallest_inertia = 1.; ///< scaled masses only [kg m2]
+    double time_step = 1.;        ///< [s], or 1 cycle
   };
 
   /** Sets true mass and moment of inertia of every grain from its radius. */
@@ -31,15 +31,25 @@ namespace dem
    * Scaled: m = sum of kn dt^2 with dt = 1, at least a fifth of the mean: by Gershgorin no frequency exceeds sqrt(2)
    * per cycle (limit 2), whatever the size of a grain. True: dt = share * min over grains of sqrt(2 m / sum kn).
    */
-  void update_kinetics(Kinetics &kinetics, const MotionRule &rule, const Grains &grains, const Forces &forces);
+  void update_kinetics(Kinetics &kinetics, const MotionRule &rule, const Grains &grains, const Forces &forces,
+                       const ContactSums &sums);
+
+  /** What moves the grains. */
+  struct MotionTask
+  {
+    const Cell &cell;
+    const Forces &forces;
+    const Kinetics &kinetics;
+    const MotionRule &rule;
+  };
 
   /**
-   * One leapfrog step with local (non-viscous) damping, F (1 - alpha sign(F v)) in each component.
+   * One leapfrog step with local (non-viscous) damping, F (1 - alpha sign(F v)) in each component, of the grains from
+   * `begin` to `end`.
    *
-   * @return largest displacement of a grain beside the cell's own motion [m]
+   * @return bound on the displacement of each of them beside the cell's own motion [m]
    */
-  double advance_grains(Grains &grains, const Cell &cell, const Forces &forces, const Kinetics &kinetics,
-                        const MotionRule &rule);
+  double advance_grains(Grains &grains, std::size_t begin, std::size_t end, const MotionTask &task);
 
   /** Mean resultant force on a grain [N]. */
   double compute_mean_resultant(const Forces &forces);

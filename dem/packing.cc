@@ -26,10 +26,12 @@ namespace dem
           RandomStream stream({rule.seed, number, i, Purpose::position});
           const double x = stream.draw_uniform(), y = stream.draw_uniform(), z = stream.draw_uniform();
           state.grains.place[i] = {x, y, z, 0.5 * diameters[i]};
-          state.grains.id[i] = state.grains.parent[i] = i;
         }
       const double edge = std::cbrt((1. + loose_void_ratio) * compute_solid_volume(state.grains));
       state.cell.edges = edge * Matrix::Identity();
+      sort_in_space(state);
+      for (std::size_t i = 0; i < rule.n_grains; ++i)
+        state.grains.id[i] = state.grains.parent[i] = i;
       for (Row &place : state.grains.place)
         place.w *= first_radius_share;
       return state;
@@ -121,11 +123,13 @@ namespace dem
     for (unsigned int positions = 0; positions < rule.positions_cap; ++positions)
       {
         Packing packing = search_friction(rule, material, generation, positions);
-        packing.report.n_tried += best.report.n_tried;
-        packing.report.n_cycles += best.report.n_cycles;
+        const unsigned int n_tried = best.report.n_tried + packing.report.n_tried;
+        const std::size_t n_cycles = best.report.n_cycles + packing.report.n_cycles;
         if (positions == 0 ||
             std::abs(packing.report.void_ratio - rule.void_ratio) < std::abs(best.report.void_ratio - rule.void_ratio))
           best = packing;
+        best.report.n_tried = n_tried;
+        best.report.n_cycles = n_cycles;
         if (best.report.is_found)
           break;
       }

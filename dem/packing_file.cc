@@ -56,6 +56,8 @@ namespace dem
       const ContactNetwork network = build_contact_network(state, 0.);
       for (std::size_t k = 0; k < network.size(); ++k)
         {
+          if (!network.is_pair(k))
+            continue;
           const Row &a = state.grains.place[network.a[k]], &b = state.grains.place[network.b[k]];
           const double overlap = a.w + b.w - compute_branch(state.cell, a, b).norm();
           if (overlap > 0.5 * std::min(a.w, b.w))

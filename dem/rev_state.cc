@@ -1,7 +1,9 @@
 #include "dem/rev_state.h"
 
 #include "dem/checksum.h"
+#include "dem/spatial_order.h"
 
+#include <algorithm>
 #include <array>
 #include <cstring>
 #include <stdexcept>
@@ -163,6 +165,22 @@ namespace dem
       return header;
     }
   } // namespace
+
+  void sort_in_space(RevState &state)
+  {
+    const std::vector<std::uint32_t> order = compute_spatial_order(state.cell, state.grains.place);
+    if (std::is_sorted(order.begin(), order.end()))
+      return;
+    state.grains.permute(order);
+    std::vector<std::uint32_t> place(order.size());
+    for (std::uint32_t i = 0; i < order.size(); ++i)
+      place[order[i]] = i;
+    for (ContactMemory &memory : state.contacts)
+      {
+        memory.a = place[memory.a];
+        memory.b = place[memory.b];
+      }
+  }
 
   std::vector<std::byte> serialise(const RevState &state)
   {

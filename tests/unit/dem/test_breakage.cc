@@ -145,7 +145,11 @@ namespace
     Grains grains = get_loaded_state().grains;
     const auto contacts = list(get_loaded_state());
     FractureRule rule;
-    rule.comminution_diameter = 2. * grains.place[n_grains / 2].w; // half of them: sizes decrease
+    std::vector<double> diameters;
+    for (const Row &place : grains.place)
+      diameters.push_back(2. * place.w);
+    std::nth_element(diameters.begin(), diameters.begin() + n_grains / 2, diameters.end());
+    rule.comminution_diameter = diameters[n_grains / 2]; // half of them
     update_crack_velocities(grains, contacts, rule);
     std::size_t n_growing = 0;
     for (std::size_t i = 0; i < n_grains; ++i)

@@ -56,7 +56,8 @@ namespace
   {
     std::vector<Pair> pairs;
     for (std::size_t k = 0; k < network.size(); ++k)
-      pairs.emplace_back(network.a[k], network.b[k]);
+      if (network.is_pair(k))
+        pairs.emplace_back(network.a[k], network.b[k]);
     return pairs;
   }
 

@@ -20,14 +20,21 @@ namespace
     return forces;
   }
 
+  /** All grains by one step. */
+  double advance(RevState &state, const Forces &forces, const Kinetics &kinetics, const MotionRule &rule)
+  {
+    return advance_grains(state.grains, 0, state.grains.size(), {state.cell, forces, kinetics, rule});
+  }
+
   TEST(Motion, DampingTakesFromWhatDrivesAndAddsToWhatBrakes)
   {
     // Law: F (1 - alpha sign(F v)) in each component; nothing at rest. Tolerance: rounding.
     RevState state = make_state({Vector::Zero()}, 1.);
     const MotionRule rule;
-    const Kinetics kinetics{{0.5}, {0.5}, 1.};
+    const Kinetics kinetics{2., 2., 1.};
     state.grains.velocity[0] = {2., -2., 0., 1.};
-    advance_grains(state.grains, state.cell, make_forces(1, {1., 1., 1., 0.}), kinetics, rule);
+    advance(state, make_forces(1, {1., 1., 1., 0.}), kinetics, rule);
+    EXPECT_EQ(state.grains.velocity[0].w, 1.);
     EXPECT_NEAR(state.grains.velocity[0].x, 2. + 0.5 * 0.3, 1e-15);
     EXPECT_NEAR(state.grains.velocity[0].y, -2. + 0.5 * 1.7, 1e-15);
     EXPECT_NEAR(state.grains.velocity[0].z, 0. + 0.5 * 1., 1e-15);
@@ -41,15 +48,15 @@ namespace
     state.cell.edges << 2., 0.5, 0., 0., 1.5, 0.3, 0., 0., 1.;
     const Vector before = state.cell.edges * to_vector(state.grains.place[0]);
     MotionRule rule;
-    const Kinetics kinetics{{1.}, {2.}, 0.25};
+    const Kinetics kinetics{1., 0.5, 0.25};
     const Forces forces = make_forces(1, {1., -2., 3., 0.});
-    const double way = advance_grains(state.grains, state.cell, forces, kinetics, rule);
+    const double way = advance(state, forces, kinetics, rule);
     const Vector step = state.cell.edges * to_vector(state.grains.place[0]) - before;
     EXPECT_LT((step - 0.0625 * Vector(1., -2., 3.)).norm(), 1e-15);
     EXPECT_NEAR(way, 0.0625 * std::sqrt(14.), 1e-15);
     EXPECT_EQ(to_vector(state.grains.spin[0]), Vector::Zero());
     rule.is_rotation_free = true;
-    advance_grains(state.grains, state.cell, forces, kinetics, rule);
+    advance(state, forces, kinetics, rule);
     EXPECT_LT((to_vector(state.grains.spin[0]) - 0.5 * Vector(1., -2., 3.)).norm(), 1e-15);
   }
 
@@ -70,33 +77,56 @@ namespace
     Forces forces = make_forces(2, {0., 0., 0., 1e6});
     forces.torque[0].w = 1e3 * radius * radius * 1e6;
     Kinetics kinetics;
-    update_kinetics(kinetics, rule, state.grains, forces);
+    update_kinetics(kinetics, rule, state.grains, forces, {});
     const double expected = 0.3 * std::sqrt(2. * mass / 8. / 1e6);
     EXPECT_NEAR(kinetics.time_step, expected, 1e-14 * expected);
-    EXPECT_NEAR(kinetics.inverse_mass[0] * mass, 1., 1e-14);
 
     rule.is_rotation_free = true;
     forces.torque[1].w = 0.;
-    update_kinetics(kinetics, rule, state.grains, forces);
+    update_kinetics(kinetics, rule, state.grains, forces, {});
     const double turning = 0.3 * std::sqrt(2. * 0.4 * mass / 1e9);
     ASSERT_LT(turning, expected);
     EXPECT_NEAR(kinetics.time_step, turning, 1e-14 * turning);
   }
 
+  TEST(Motion, TrueMassesAreThoseBesideTheVelocities)
+  {
+    // Law: dv = F dt / m, dw = T dt / I, with m and I beside velocity and spin, which stay. Tolerance: rounding.
+    RevState state = make_state({Vector::Zero()}, 1.);
+    state.grains.velocity[0] = {0., 0., 0., 4.};
+    state.grains.spin[0] = {0., 0., 0., 0.5};
+    MotionRule rule;
+    rule.has_true_masses = rule.is_rotation_free = true;
+    advance(state, make_forces(1, {1., -2., 3., 7.}), {100., 100., 0.25}, rule);
+    EXPECT_LT((to_vector(state.grains.velocity[0]) - 0.0625 * Vector(1., -2., 3.)).norm(), 1e-16);
+    EXPECT_LT((to_vector(state.grains.spin[0]) - 0.5 * Vector(1., -2., 3.)).norm(), 1e-15);
+    EXPECT_EQ(state.grains.velocity[0].w, 4.);
+    EXPECT_EQ(state.grains.spin[0].w, 0.5);
+  }
+
   TEST(Motion, ScaledMassesFollowTheStiffness)
   {
-    // Law: m = sum of kn (dt = 1 cycle), at least a fifth of the mean; no contact at all gives a mass of 1.
+    // Law: m = sum of kn (dt = 1 cycle), at least a fifth of the mean over the grains; likewise moments of inertia; no
+    // contact at all gives a mass of 1. Tolerance: rounding.
     RevState state = make_state({Vector::Zero(), Vector::Zero()}, 1.);
-    Forces forces = make_forces(2, {0., 0., 0., 3e6});
-    forces.force[1].w = 0.;
+    Forces forces = make_forces(2, {1., 0., 0., 3e6});
+    forces.force[1].w = forces.torque[1].w = 0.;
+    ContactSums sums;
+    sums.stiffness = sums.turning_stiffness = 3e6;
+    MotionRule rule;
+    rule.is_rotation_free = true;
     Kinetics kinetics;
-    update_kinetics(kinetics, MotionRule{}, state.grains, forces);
+    update_kinetics(kinetics, rule, state.grains, forces, sums);
     EXPECT_EQ(kinetics.time_step, 1.);
-    EXPECT_DOUBLE_EQ(kinetics.inverse_mass[0], 1. / 3e6);
-    EXPECT_DOUBLE_EQ(kinetics.inverse_mass[1], 1. / (0.2 * 1.5e6));
-    forces.force[0].w = 0.;
-    update_kinetics(kinetics, MotionRule{}, state.grains, forces);
-    EXPECT_EQ(kinetics.inverse_mass[0], 1.);
+    advance(state, forces, kinetics, rule);
+    for (const auto &velocity : {state.grains.velocity, state.grains.spin})
+      {
+        EXPECT_DOUBLE_EQ(velocity[0].x, 1. / 3e6);
+        EXPECT_DOUBLE_EQ(velocity[1].x, 1. / (0.2 * 1.5e6));
+      }
+    update_kinetics(kinetics, rule, state.grains, forces, {});
+    EXPECT_EQ(kinetics.smallest_mass, 1.);
+    EXPECT_EQ(kinetics.smallest_inertia, 1.);
   }
 
   struct Oscillation

@@ -52,8 +52,9 @@ namespace
     EXPECT_TRUE(one.get_trial().stress == other.get_trial().stress);
     EXPECT_LT((other.get_trial().cell.deformation - one.get_trial().cell.deformation - rounding).norm(), 1e-15);
 
-    // Ten strains of a fifth of the grid each move the cell twice as far as the grid, in some of the questions only.
-    const Matrix fifth = Matrix::Identity() + 0.2 * grid * Matrix::Identity();
+    // Ten strains of a fifth of the grid each move the cell twice as far as the grid, in two of the questions.
+    Matrix fifth = Matrix::Identity();
+    fifth(0, 0) += 0.2 * grid;
     const double width = one.get_baseline().cell.edges(0, 0);
     unsigned int n_moves = 0;
     for (unsigned int k = 0; k < 10; ++k)
@@ -62,7 +63,7 @@ namespace
         one.accept();
       }
     EXPECT_EQ(n_moves, 2u);
-    EXPECT_NEAR(one.get_baseline().cell.edges(0, 0) / width - 1., 2 * grid, 0.01 * grid); // rounding 1e-16
+    EXPECT_NEAR(one.get_baseline().cell.edges(0, 0) / width - 1., 2 * grid, 0.1 * grid); // the edge's own stretch is not quite 1
   }
 
   TEST(Rev, EveryQuestionStartsAtTheBaseline)
