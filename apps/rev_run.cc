@@ -227,6 +227,8 @@ namespace apps
 
   int run_rev(const RevCase &rev_case, const CommandLine &line)
   {
-    return Run(rev_case, line).run();
+    RevCase threaded = rev_case;
+    threaded.rev.model.dynamics.n_threads = line.n_threads;
+    return Run(threaded, line).run();
   }
 } // namespace apps

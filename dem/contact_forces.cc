@@ -32,9 +32,9 @@ namespace dem
     constexpr RowMask opposite_force{sign, sign, sign, 0}; // b's stiffness adds up as a's does
 
     /**
-     * The pairs of a block, some vectors at a time, in three stages with a small buffer between them: where pairs are and
-     * how hard they press, what shears them, and what grains get from it. Each stage is short enough for the processor
-     * to work on several vectors at once.
+     * The pairs of a block, some vectors at a time, in three stages with a small buffer between them: where pairs are
+     * and how hard they press, what shears them, and what grains get from it. Each stage is short enough for the
+     * processor to work on several vectors at once.
      */
     template <bool is_rough, bool is_rotation_free>
     class PairLoop
@@ -187,7 +187,7 @@ namespace dem
       {
         const LaneVector moment = cross(unit_[i], shear_[i]); // over the lever arm
         const auto *const arm_a = reinterpret_cast<const LaneArray *>(&arm_a_[i]),
-                   *const arm_b = reinterpret_cast<const LaneArray *>(&arm_b_[i]);
+                          *const arm_b = reinterpret_cast<const LaneArray *>(&arm_b_[i]);
         Row *const torques = forces_.torque.data(), *const far_torques = forces_.far_torque.data() + far;
         const Lanes stiffness = 0.5 * (arm_a_[i] + arm_b_[i]) * normal_[i].stiffness;
         give_rows({moment.x, moment.y, moment.z, stiffness}, [&](const int j, const RowLanes row) {
@@ -223,8 +223,8 @@ namespace dem
 
       std::size_t n_vectors_ = 0; // in the buffer now
       LaneMask is_touching_[buffer_size];
-      LaneVector unit_[buffer_size];   // (x_b - x_a) / distance
-      Lanes distance_[buffer_size];    // [m]
+      LaneVector unit_[buffer_size];                  // (x_b - x_a) / distance
+      Lanes distance_[buffer_size];                   // [m]
       Lanes arm_a_[buffer_size], arm_b_[buffer_size]; // R - d/2 [m]
       NormalLanes normal_[buffer_size];
       LaneVector shear_[buffer_size]; // t on a [N]
@@ -322,9 +322,8 @@ namespace dem
     const bool is_rough = task.law.roughness > 0., is_rotation_free = task.motion.is_rotation_free;
     const auto compute = is_rough ? (is_rotation_free ? compute_block<true, true> : compute_block<true, false>)
                                   : (is_rotation_free ? compute_block<false, true> : compute_block<false, false>);
-    team.run(network.blocks.size(), [&](const std::size_t k) {
-      forces.block_sums[k] = compute(task, network.blocks[k], network, forces);
-    });
+    team.run(network.blocks.size(),
+             [&](const std::size_t k) { forces.block_sums[k] = compute(task, network.blocks[k], network, forces); });
     team.run(network.blocks.size(), [&](const std::size_t k) {
       finish_block(network.blocks[k], network, is_rotation_free, forces, forces.block_sums[k]);
     });

@@ -12,8 +12,8 @@ namespace dem
     Matrix force_times_branch = Matrix::Zero(); ///< sum of f_a x (x_b - x_a) [N m]
     double normal_force = 0.;                   ///< sum of N [N]
     double stiffness = 0.;                      ///< sum of kn over contacts of all grains, each contact twice [N/m]
-    double turning_stiffness = 0.;              ///< likewise of kn (lever arm)(mean lever arm) [N m]; free rotation only
-    double stiffness_moment = 0.;               ///< sum of kn |x_b - x_a|^2 [N m]
+    double turning_stiffness = 0.; ///< likewise of kn (lever arm)(mean lever arm) [N m]; free rotation only
+    double stiffness_moment = 0.;  ///< sum of kn |x_b - x_a|^2 [N m]
     std::size_t n_touching = 0;
   };
 
@@ -26,7 +26,7 @@ namespace dem
     std::vector<double> largest_stress; ///< per grain, of N/(pi r' d) over its contacts [Pa]; filled when
                                         ///< Motion::has_contact_stress
 
-    std::vector<Row> far_force, far_torque; ///< what each far pair does to its second grain [N; N m]
+    std::vector<Row> far_force, far_torque;    ///< what each far pair does to its second grain [N; N m]
     std::vector<double> normal_force, overlap; ///< of each pair [N; m]; filled when Motion::has_contact_stress
     std::vector<ContactSums> block_sums;
   };

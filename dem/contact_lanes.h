@@ -101,8 +101,8 @@ namespace dem
     const Lanes size_square = dot(grown, grown);
     ShearLanes shear;
     shear.is_sliding = size_square > cap * cap;
-    const Lanes share = select(shear.is_sliding, cap * compute_inverse_root(compute_larger(size_square, tiny)),
-                               make_lanes(1.));
+    const Lanes share =
+        select(shear.is_sliding, cap * compute_inverse_root(compute_larger(size_square, tiny)), make_lanes(1.));
     shear.force = {share * grown.x, share * grown.y, share * grown.z};
     return shear;
   }

@@ -95,11 +95,11 @@ namespace dem
       for (const GrainBlock &block : network.blocks)
         for (std::size_t k = block.far_begin; k < block.far_end; ++k)
           if (network.is_pair(k))
-          {
-            const std::uint32_t place = start[network.b[k]]++;
-            network.incoming_far[place] = static_cast<std::uint32_t>(block.first_far + (k - block.far_begin));
-            network.incoming_grain[place] = network.b[k];
-          }
+            {
+              const std::uint32_t place = start[network.b[k]]++;
+              network.incoming_far[place] = static_cast<std::uint32_t>(block.first_far + (k - block.far_begin));
+              network.incoming_grain[place] = network.b[k];
+            }
     }
 
     /** Hands the shear forces of touching pairs over to the pairs of a new network. */

@@ -22,8 +22,8 @@ namespace dem
 
   /**
    * Some grains next to each other in storage, and the pairs whose first grain is one of them: near pairs, the second
-   * grain in the same block, then far pairs. A block is the unit of work that threads share; blocks depend on the number
-   * of grains alone, so that sums do not depend on the number of threads.
+   * grain in the same block, then far pairs. A block is the unit of work that threads share; blocks depend on the
+   * number of grains alone, so that sums do not depend on the number of threads.
    */
   struct GrainBlock
   {

@@ -8,9 +8,9 @@ namespace dem
   struct DynamicsRule
   {
     MotionRule motion;
-    double skin_share = 0.2;   ///< skin of the contact network over the mean radius [-]
+    double skin_share = 0.2;         ///< skin of the contact network over the mean radius [-]
     bool has_contact_stress = false; ///< the largest contact stress of each grain is kept up to date
-    std::size_t n_threads = 1; ///< that share the grains of one REV; results do not depend on it
+    std::size_t n_threads = 1;       ///< that share the grains of one REV; results do not depend on it
   };
 
   /**

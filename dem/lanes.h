@@ -108,8 +108,8 @@ namespace dem
   [[gnu::always_inline]] inline Lanes join(const RowLanes low, const RowLanes high)
   {
 #ifdef __AVX512F__
-    return reinterpret_cast<Lanes>(_mm512_insertf64x4(_mm512_castpd256_pd512(reinterpret_cast<__m256d>(low)),
-                                                      reinterpret_cast<__m256d>(high), 1));
+    return reinterpret_cast<Lanes>(
+        _mm512_insertf64x4(_mm512_castpd256_pd512(reinterpret_cast<__m256d>(low)), reinterpret_cast<__m256d>(high), 1));
 #else
     return __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7);
 #endif

@@ -41,7 +41,8 @@ namespace dem
     Counters counters;
   };
 
-  /** Stores grains that are near in space near each other, so that they share caches; what they are and remember stays. */
+  /** Stores grains that are near in space near each other, so that they share caches; what they are and remember stays.
+   */
   void sort_in_space(RevState &state);
 
   /** One contiguous, self-describing copy (magic, version, lengths, checksum), for messages and checkpoints. */

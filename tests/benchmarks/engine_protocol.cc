@@ -44,9 +44,7 @@ namespace benchmarks
     dynamics.compute_forces();
     const double share = rule.motion.time_step_share * protocol.time_step / dynamics.get_time_step();
     rule.motion.time_step_share = std::min(share, 0.5);
-    // With threads inside one REV, this becomes: rule.n_threads = protocol.n_threads;
-    if (protocol.n_threads != 1)
-      throw std::invalid_argument("--threads: a REV runs on 1 thread, not on " + std::to_string(protocol.n_threads));
+    rule.n_threads = protocol.n_threads;
     return rule;
   }
 

@@ -26,7 +26,7 @@ namespace
     std::vector<double> found;
     for (const Row &place : packing.state.grains.place)
       found.push_back(2. * place.w);
-    std::sort(found.begin(), found.end()); // grains are stored by their place, not by their size
+    std::sort(found.begin(), found.end());     // grains are stored by their place, not by their size
     for (std::size_t i = 0; i < n_grains; ++i) // grown to it in steps: rounding
       EXPECT_NEAR(found[i], diameters[i], 1e-13 * diameters[i]);
     EXPECT_EQ(compute_void_ratio_with_fines(packing.state), compute_void_ratio(packing.state));

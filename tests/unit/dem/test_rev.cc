@@ -63,7 +63,8 @@ namespace
         one.accept();
       }
     EXPECT_EQ(n_moves, 2u);
-    EXPECT_NEAR(one.get_baseline().cell.edges(0, 0) / width - 1., 2 * grid, 0.1 * grid); // the edge's own stretch is not quite 1
+    EXPECT_NEAR(one.get_baseline().cell.edges(0, 0) / width - 1., 2 * grid,
+                0.1 * grid); // the edge's own stretch is not quite 1
   }
 
   TEST(Rev, EveryQuestionStartsAtTheBaseline)

@@ -1,0 +1,64 @@
+#include "dem/team.h"
+
+#include "tests/support/rev_cases.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+
+namespace
+{
+  using namespace dem;
+  using namespace dem::cases;
+
+  TEST(Team, DoesEachTaskOnceWhateverItsSize)
+  {
+    // Law: run(n) calls task 0 ... n - 1 once each and returns when all are done; none is no work; again and again.
+    for (const std::size_t n_threads : {1, 2, 3, 8})
+      {
+        Team team(n_threads);
+        EXPECT_EQ(team.size(), n_threads);
+        for (int round = 0; round < 200; ++round)
+          for (const std::size_t n_tasks : {0, 1, 5, 64})
+            {
+              std::vector<int> n_done(n_tasks, 0);
+              team.run(n_tasks, [&](const std::size_t k) { ++n_done[k]; });
+              EXPECT_EQ(std::accumulate(n_done.begin(), n_done.end(), 0), static_cast<int>(n_tasks));
+              EXPECT_EQ(std::count(n_done.begin(), n_done.end(), 1), static_cast<long>(n_tasks));
+            }
+      }
+  }
+
+  /** A packing of several blocks of grains, strained for some cycles. */
+  RevState strain(const std::size_t n_threads, const bool is_rotation_free)
+  {
+    static const RevState packing = [] {
+      PackingRule rule;
+      rule.n_grains = 2600;
+      rule.friction = 0.08;
+      return generate_packing(rule, GrainMaterial{}, DynamicsRule{}).state;
+    }();
+    RevModel model;
+    model.dynamics.n_threads = n_threads;
+    model.dynamics.motion.is_rotation_free = is_rotation_free;
+    RevState state = packing;
+    CellControl control;
+    control.stretch(2, 2) = 0.995; // the network is built again on the way
+    bring_to_rest(state, make_rest_rule(model), control);
+    return state;
+  }
+
+  TEST(Team, SharesTheGrainsOfARevWithoutChangingABit)
+  {
+    // Law: results do not depend on the number of threads, bit by bit; grains free to turn and blocked.
+    for (const bool is_rotation_free : {false, true})
+      {
+        const RevState alone = strain(1, is_rotation_free);
+        ASSERT_GT(alone.grains.size(), 2 * grains_per_block);
+        ASSERT_GT(alone.counters.cycles, 500u);
+        for (const std::size_t n_threads : {2, 3})
+          EXPECT_TRUE(are_equal_bits(strain(n_threads, is_rotation_free), alone)) << n_threads;
+      }
+  }
+} // namespace
