@@ -97,6 +97,7 @@ namespace apps
       {
         folder_.check();
         summary_.seed = rev_case.rev.seed;
+        summary_.n_threads = line.n_threads;
         line.is_resumed ? resume() : start();
       }
 

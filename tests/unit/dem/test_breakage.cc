@@ -78,7 +78,9 @@ namespace
             const Vector arm = compute_branch(before.cell, before.grains.place[parent], sibling);
             EXPECT_LE(arm.norm() + sibling.w, shell * (1. + 1e-11));
             if (k == 0)
-              EXPECT_LT((arm.normalized() - direction).norm(), 1e-11);
+              {
+                EXPECT_LT((arm.normalized() - direction).norm(), 1e-11);
+              }
           }
       }
     EXPECT_GT(n_first, 0u);
