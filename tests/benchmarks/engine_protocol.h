@@ -22,7 +22,7 @@ namespace benchmarks
     std::size_t n_contacts = 0; ///< touching pairs at the start
     double seconds = 0.;        ///< of the steps alone, reading and set-up left out [s]
     double cpu_seconds = 0.;    ///< of all threads, likewise [s]
-    double time_step = 0.;      ///< used [s]: the protocol's, or half the critical one where that is less
+    double time_step = 0.;      ///< used [s]: the protocol's, or at most 0.6 of the critical one where that is less
     double stress_before = 0.;  ///< mean normal stress at the places of the packing [Pa], compression-positive
     double stress_after = 0.;   ///< after the last step [Pa], compression-positive
   };
