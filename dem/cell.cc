@@ -77,9 +77,11 @@ namespace dem
 
   Matrix compute_reduction(const Cell &cell)
   {
-    // Every change shortens an edge, so this ends.
     Matrix edges = cell.edges;
     Matrix change = Matrix::Identity();
+    if (!edges.allFinite())
+      return change;
+    // Every change shortens an edge, so this ends.
     while (straighten_pairs(edges, change) || replace_longest_by_diagonal(edges, change))
       ;
     return change;

@@ -276,16 +276,65 @@ namespace dem
       return even[3] + odd[3];
     }
 
-    /** Gives the grains of a block what far pairs of other blocks do to them. */
-    void finish_block(const GrainBlock &block, const ContactNetwork &network, const bool is_rotation_free,
-                      Forces &forces, ContactSums &sums)
+    /** What is to be done with the blocks of a network, in an order that threads agree upon. */
+    class BlockRun
     {
-      take_incoming(block, network, forces.far_force, forces.force);
-      sums.stiffness = sum_stiffness(forces.force, block);
-      if (!is_rotation_free)
-        return;
-      take_incoming(block, network, forces.far_torque, forces.torque);
-      sums.turning_stiffness = sum_stiffness(forces.torque, block);
+    public:
+      BlockRun(const ForceTask &task, ContactNetwork &network, Forces &forces, const BlockHook &is_complete)
+          : task_(task), network_(network), forces_(forces), is_complete_(is_complete)
+      {}
+
+      /** The pairs of block k. */
+      void compute(const std::size_t k) const
+      {
+        forces_.block_sums[k] = compute_(task_, network_.blocks[k], network_, forces_);
+      }
+
+      /** Gives the grains of block k what far pairs of other blocks do to them. @pre those have been computed */
+      void finish(const std::size_t k) const
+      {
+        const GrainBlock &block = network_.blocks[k];
+        take_incoming(block, network_, forces_.far_force, forces_.force);
+        forces_.block_sums[k].stiffness = sum_stiffness(forces_.force, block);
+        if (task_.motion.is_rotation_free)
+          {
+            take_incoming(block, network_, forces_.far_torque, forces_.torque);
+            forces_.block_sums[k].turning_stiffness = sum_stiffness(forces_.torque, block);
+          }
+        if (is_complete_)
+          is_complete_(k);
+      }
+
+    private:
+      using Compute = ContactSums (*)(const ForceTask &, const GrainBlock &, ContactNetwork &, Forces &);
+
+      static Compute choose(const bool is_rough, const bool is_rotation_free)
+      {
+        if (is_rough)
+          return is_rotation_free ? compute_block<true, true> : compute_block<true, false>;
+        return is_rotation_free ? compute_block<false, true> : compute_block<false, false>;
+      }
+
+      const ForceTask &task_;
+      ContactNetwork &network_;
+      Forces &forces_;
+      const BlockHook &is_complete_;
+      const Compute compute_ = choose(task_.law.roughness > 0., task_.motion.is_rotation_free);
+    };
+
+    ContactSums add_up(const std::vector<ContactSums> &parts)
+    {
+      ContactSums sums;
+      for (const ContactSums &part : parts)
+        {
+          sums.force_times_branch += part.force_times_branch;
+          sums.normal_force += part.normal_force;
+          sums.stiffness += part.stiffness;
+          sums.turning_stiffness += part.turning_stiffness;
+          sums.stiffness_moment += part.stiffness_moment;
+          sums.n_touching += part.n_touching;
+        }
+      return sums;
     }
 
     void update_largest_stress(const ContactNetwork &network, const Grains &grains, Forces &forces)
@@ -321,30 +370,31 @@ namespace dem
     }
   } // namespace
 
-  ContactSums compute_contact_forces(const ForceTask &task, ContactNetwork &network, Forces &forces, Team &team)
+  ContactSums compute_contact_forces(const ForceTask &task, ContactNetwork &network, Forces &forces, Team &team,
+                                     const BlockHook &is_complete)
   {
     make_room(task, network, forces);
-    const bool is_rough = task.law.roughness > 0., is_rotation_free = task.motion.is_rotation_free;
-    const auto compute = is_rough ? (is_rotation_free ? compute_block<true, true> : compute_block<true, false>)
-                                  : (is_rotation_free ? compute_block<false, true> : compute_block<false, false>);
-    team.run(network.blocks.size(),
-             [&](const std::size_t k) { forces.block_sums[k] = compute(task, network.blocks[k], network, forces); });
-    team.run(network.blocks.size(), [&](const std::size_t k) {
-      finish_block(network.blocks[k], network, is_rotation_free, forces, forces.block_sums[k]);
+    BlockRun run(task, network, forces, is_complete);
+    const std::size_t n_blocks = network.blocks.size(), n_threads = team.size();
+    const auto begin = [&](const std::size_t number) { return n_blocks * number / n_threads; };
+    // Pairs reach forwards only: a block is complete after its own pairs, unless another thread's reach into it.
+    team.run(n_threads, [&](const std::size_t number) {
+      for (std::size_t k = begin(number); k < begin(number + 1); ++k)
+        {
+          run.compute(k);
+          if (network.blocks[k].first_source >= begin(number))
+            run.finish(k);
+        }
     });
-    ContactSums sums;
-    for (const ContactSums &part : forces.block_sums)
-      {
-        sums.force_times_branch += part.force_times_branch;
-        sums.normal_force += part.normal_force;
-        sums.stiffness += part.stiffness;
-        sums.turning_stiffness += part.turning_stiffness;
-        sums.stiffness_moment += part.stiffness_moment;
-        sums.n_touching += part.n_touching;
-      }
+    if (n_threads > 1)
+      team.run(n_threads, [&](const std::size_t number) {
+        for (std::size_t k = begin(number); k < begin(number + 1); ++k)
+          if (network.blocks[k].first_source < begin(number))
+            run.finish(k);
+      });
     if (task.motion.has_contact_stress)
       update_largest_stress(network, task.state.grains, forces);
-    return sums;
+    return add_up(forces.block_sums);
   }
 
   ContactSums compute_contact_forces(const RevState &state, const ContactLaw &law, const Motion &motion,

@@ -4,6 +4,8 @@
 #include "dem/contact_network.h"
 #include "dem/team.h"
 
+#include <functional>
+
 namespace dem
 {
   /** Sums over all contacts, found on the way. */
@@ -48,14 +50,21 @@ namespace dem
     const Motion &motion;
   };
 
+  /** Called with the number of a block once nothing will add to the forces of its grains, nor look at where they are.
+   */
+  using BlockHook = std::function<void(std::size_t)>;
+
   /**
    * The hot loop: forces of all touching pairs, their shear history brought up to date (docs/theory.md Eq. 12-13).
    *
    * Relative displacement at a contact: (v_b - v_a) dt + L dt (x_b - x_a) plus the spins' part. The shear force turns
    * with the contact plane (and with the grains' mean spin about the normal when they turn), grows by kt du_t with the
    * current kn, and is capped at mu N. The team shares the blocks of the network; the sums do not depend on its size.
+   *
+   * @param is_complete  by the thread that has the block in its cache; may move its grains
    */
-  ContactSums compute_contact_forces(const ForceTask &task, ContactNetwork &network, Forces &forces, Team &team);
+  ContactSums compute_contact_forces(const ForceTask &task, ContactNetwork &network, Forces &forces, Team &team,
+                                     const BlockHook &is_complete = {});
 
   /** The same by the calling thread alone. */
   ContactSums compute_contact_forces(const RevState &state, const ContactLaw &law, const Motion &motion,

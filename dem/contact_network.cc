@@ -92,7 +92,7 @@ namespace dem
         }
       network.incoming_far.resize(start.back());
       network.incoming_grain.resize(start.back());
-      for (const GrainBlock &block : network.blocks)
+      for (const GrainBlock &block : network.blocks) // in rising order: what a grain gets is added in that order
         for (std::size_t k = block.far_begin; k < block.far_end; ++k)
           if (network.is_pair(k))
             {
@@ -100,6 +100,19 @@ namespace dem
               network.incoming_far[place] = static_cast<std::uint32_t>(block.first_far + (k - block.far_begin));
               network.incoming_grain[place] = network.b[k];
             }
+    }
+
+    /** For each block the lowest one whose pairs reach into it. @pre list_incoming */
+    void find_sources(ContactNetwork &network)
+    {
+      for (std::size_t k = 0; k < network.blocks.size(); ++k)
+        {
+          GrainBlock &block = network.blocks[k];
+          block.first_source = k;
+          for (std::size_t i = block.incoming_begin; i < block.incoming_end; ++i)
+            while (network.incoming_far[i] < network.blocks[block.first_source].first_far)
+              --block.first_source;
+        }
     }
 
     /** Hands the shear forces of touching pairs over to the pairs of a new network. */
@@ -162,6 +175,7 @@ namespace dem
     const std::vector<NearPair> &pairs = search.list_near_pairs(state.cell, state.grains.place, skin);
     const auto place_of_pair = lay_out_pairs(network, pairs, state.grains.place);
     list_incoming(network, state.grains.size());
+    find_sources(network);
 
     for (auto *shear : {&network.shear_x, &network.shear_y, &network.shear_z})
       shear->assign(network.size(), 0.);

@@ -31,6 +31,7 @@ namespace dem
     std::size_t near_begin, far_begin, far_end; ///< places of pairs, multiples of the number of lanes
     std::size_t first_far;                      ///< place of its first far pair among all far pairs
     std::size_t incoming_begin, incoming_end;   ///< far pairs of other blocks whose second grain is here
+    std::size_t first_source; ///< lowest block with such a pair, or the block itself; none of them is higher
   };
 
   /**

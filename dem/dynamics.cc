@@ -70,21 +70,25 @@ namespace dem
     travel_ = 0.;
   }
 
+  void Dynamics::update_network()
+  {
+    // The bound on travel is cheap; the exact check is made only once the bound says that it might matter. Where places
+    // are no numbers nothing is looked for: is_finite() tells.
+    if (!(travel_ > 0.5 * network_.skin))
+      return;
+    const double used = compute_used_skin(network_, state_.cell, state_.grains);
+    travel_ = 0.5 * used;
+    if (!(used > 0.8 * network_.skin))
+      return;
+    state_.contacts = collect_memories(network_);
+    build_network();
+  }
+
   void Dynamics::compute_forces()
   {
-    // The bound on travel is cheap; the exact check is made only once the bound says that it might matter.
-    if (travel_ > 0.5 * network_.skin)
-      {
-        const double used = compute_used_skin(network_, state_.cell, state_.grains);
-        travel_ = 0.5 * used;
-        if (used > 0.8 * network_.skin)
-          {
-            state_.contacts = collect_memories(network_);
-            build_network();
-            if (!is_wide_enough_)
-              return;
-          }
-      }
+    update_network();
+    if (!is_wide_enough_)
+      return;
     sums_ = compute_contact_forces({state_, law_, motion_}, network_, forces_, team_);
     if (!has_masses_)
       refresh_masses();
@@ -96,20 +100,42 @@ namespace dem
     has_masses_ = true;
   }
 
-  void Dynamics::advance(const Matrix &strain_increment)
+  void Dynamics::move_block(const std::size_t k)
   {
-    const MotionTask task{state_.cell, forces_, kinetics_, rule_.motion};
+    const GrainBlock &block = network_.blocks[k];
+    block_steps_[k] = advance_grains(state_.grains, block.grain_begin, block.grain_end,
+                                     {state_.cell, forces_, kinetics_, rule_.motion});
+  }
+
+  void Dynamics::move()
+  {
     block_steps_.resize(network_.blocks.size());
-    team_.run(network_.blocks.size(), [&](const std::size_t k) {
-      const GrainBlock &block = network_.blocks[k];
-      block_steps_[k] = advance_grains(state_.grains, block.grain_begin, block.grain_end, task);
-    });
+    team_.run(network_.blocks.size(), [this](const std::size_t k) { move_block(k); });
+  }
+
+  void Dynamics::compute_forces_and_move()
+  {
+    if (!has_masses_)
+      {
+        compute_forces();
+        return move();
+      }
+    update_network();
+    if (!is_wide_enough_)
+      return;
+    block_steps_.resize(network_.blocks.size());
+    sums_ = compute_contact_forces({state_, law_, motion_}, network_, forces_, team_,
+                                   [this](const std::size_t k) { move_block(k); });
+  }
+
+  void Dynamics::strain(const Matrix &increment)
+  {
     const double step = *std::max_element(block_steps_.begin(), block_steps_.end());
-    travel_ += step + 0.5 * strain_increment.norm() * network_.reach;
-    if (!strain_increment.isZero(0.))
-      state_.cell.deform(Matrix::Identity() + strain_increment);
+    travel_ += step + 0.5 * increment.norm() * network_.reach;
+    if (!increment.isZero(0.))
+      state_.cell.deform(Matrix::Identity() + increment);
     motion_.time_step = kinetics_.time_step;
-    motion_.strain_increment = strain_increment;
+    motion_.strain_increment = increment;
     ++n_cycles_;
   }
 

@@ -17,8 +17,8 @@ namespace dem
    * A REV in motion: its state and what a sequence of cycles needs beside it (network, forces, masses). Made afresh for
    * each dynamic computation, from the state alone, so that a restart finds the same bits.
    *
-   * One cycle is `compute_forces` then `advance`; between them forces, shear history and stress belong to the present
-   * positions.
+   * One cycle is `compute_forces`, `move`, `strain`; after the first, forces, shear history and stress belong to the
+   * present positions. `compute_forces_and_move` does the first two to the same bits in one walk through the grains.
    */
   class Dynamics
   {
@@ -28,8 +28,14 @@ namespace dem
 
     void compute_forces();
 
-    /** Moves grains by their velocities and strains the cell: F <- (1 + increment) F. */
-    void advance(const Matrix &strain_increment);
+    /** Moves grains by their forces. */
+    void move();
+
+    /** For cycles in which nobody asks before the grains move on: each block moves while it lies in the cache. */
+    void compute_forces_and_move();
+
+    /** Strains the cell, F <- (1 + increment) F, and ends the cycle. */
+    void strain(const Matrix &increment);
 
     /** Masses and time step for the present contacts; to be called now and then, since stiffness changes. */
     void refresh_masses();
@@ -59,6 +65,8 @@ namespace dem
 
   private:
     void build_network();
+    void update_network();
+    void move_block(std::size_t k);
 
     RevState &state_;
     const ContactLaw &law_;

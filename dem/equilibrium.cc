@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace dem
 {
@@ -83,8 +84,6 @@ namespace dem
     bool is_at_rest(const CellDriver &driver, const CellControl &control, const EquilibriumRule &rule,
                     const Dynamics &dynamics, const std::size_t cycle)
     {
-      if (rule.fixed_cycles > 0)
-        return cycle >= std::max(rule.fixed_cycles, driver.get_n_straining());
       if (cycle < driver.get_n_straining() || dynamics.compute_unbalanced_ratio() >= rule.unbalanced_ratio)
         return false;
       const double tolerance = rule.stress_tolerance * compute_largest_target(control);
@@ -107,14 +106,51 @@ namespace dem
           }
     }
 
+    /** The cycles of one run: which is the last, and which of them somebody looks at. */
+    struct Schedule
+    {
+      std::size_t last;
+      bool is_fixed, is_always_watched;
+
+      Schedule(const EquilibriumRule &rule, const CellDriver &driver, const CycleHook &hook)
+          : last(std::max(rule.fixed_cycles > 0 ? rule.fixed_cycles : rule.cycle_cap, driver.get_n_straining())),
+            is_fixed(rule.fixed_cycles > 0), is_always_watched(hook != nullptr)
+      {}
+
+      bool is_checked(const std::size_t cycle) const { return cycle % cycles_between_checks == 0 || cycle == last; }
+
+      /** The run may end there, or grains be replaced: they must not have moved on. */
+      bool is_watched(const std::size_t cycle) const { return is_always_watched || is_checked(cycle); }
+    };
+
+    /** How the run ends with this cycle, whose forces are known; nothing: it goes on. */
+    std::optional<RestStatus> find_end(const Schedule &schedule, const CellDriver &driver, const CellControl &control,
+                                       const EquilibriumRule &rule, const Dynamics &dynamics, const std::size_t cycle)
+    {
+      if (!schedule.is_checked(cycle))
+        return std::nullopt;
+      if (!(dynamics.is_finite() && std::isfinite(dynamics.compute_unbalanced_ratio())))
+        return RestStatus::not_finite;
+      if (schedule.is_fixed)
+        return cycle == schedule.last ? std::optional(RestStatus::at_rest) : std::nullopt;
+      if (is_at_rest(driver, control, rule, dynamics, cycle))
+        return RestStatus::at_rest;
+      return cycle == schedule.last ? std::optional(RestStatus::cap_reached) : std::nullopt;
+    }
+
     RestStatus run_cycles(Dynamics &dynamics, const EquilibriumRule &rule, const CellControl &control,
                           const CycleHook &hook, RestReport &report)
     {
       const CellDriver driver(control, rule);
+      const Schedule schedule(rule, driver, hook);
       const bool has_servo = control.has_servo();
       for (std::size_t cycle = 0;; ++cycle)
         {
-          dynamics.compute_forces();
+          const bool is_watched = schedule.is_watched(cycle);
+          if (is_watched)
+            dynamics.compute_forces();
+          else
+            dynamics.compute_forces_and_move();
           if (hook && dynamics.is_wide_enough())
             hook(dynamics);
           if (!dynamics.is_wide_enough())
@@ -123,15 +159,14 @@ namespace dem
           const Matrix stress = has_servo ? dynamics.compute_stress() : Matrix::Zero();
           if (has_servo)
             record_deviations(driver, control, stress, report);
-          const bool is_checked = cycle % cycles_between_checks == 0;
-          if (is_checked && !(dynamics.is_finite() && std::isfinite(dynamics.compute_unbalanced_ratio())))
-            return RestStatus::not_finite;
-          if ((is_checked || rule.fixed_cycles > 0) && is_at_rest(driver, control, rule, dynamics, cycle))
-            return RestStatus::at_rest;
-          dynamics.refresh_masses();
-          if (cycle >= std::max(rule.cycle_cap, rule.fixed_cycles + driver.get_n_straining()))
-            return RestStatus::cap_reached;
-          dynamics.advance(driver.compute_increment(cycle, stress, has_servo ? dynamics.compute_stiffness() : 0.));
+          if (is_watched)
+            {
+              if (const auto end = find_end(schedule, driver, control, rule, dynamics, cycle))
+                return *end;
+              dynamics.refresh_masses();
+              dynamics.move();
+            }
+          dynamics.strain(driver.compute_increment(cycle, stress, has_servo ? dynamics.compute_stiffness() : 0.));
         }
     }
   } // namespace

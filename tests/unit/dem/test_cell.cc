@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <gtest/gtest.h>
+#include <limits>
 #include <random>
 
 using dem::Cell;
@@ -87,6 +88,8 @@ TEST(Cell, ReductionIsIdentityWhereNoneIsNeeded)
   EXPECT_EQ(compute_reduction(cell), Matrix::Identity());
   cell.edges.col(1) = Vector(0.5, 1., 0.);
   cell.edges.col(2) = Vector(-0.3, 0.2, 1.4);
+  EXPECT_EQ(compute_reduction(cell), Matrix::Identity());
+  cell.edges(0, 1) = std::numeric_limits<double>::quiet_NaN(); // ends, though no edge is the longest
   EXPECT_EQ(compute_reduction(cell), Matrix::Identity());
 }
 

@@ -142,7 +142,8 @@ namespace
     Matrix increment = Matrix::Zero();
     increment(0, 1) = increment(1, 0) = 1e-5;
     dynamics.compute_forces();
-    dynamics.advance(increment);
+    dynamics.move();
+    dynamics.strain(increment);
     dynamics.compute_forces();
     const auto before = collect_memories(dynamics.get_network());
     state.contacts = before;

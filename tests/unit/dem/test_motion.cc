@@ -162,7 +162,8 @@ namespace
             const double distance = compute_branch(state.cell, state.grains.place[a], state.grains.place[b]).norm();
             stored += compute_stored_energy(law, 2. * radius - distance, 0.5 * radius);
           }
-        dynamics.advance(Matrix::Zero());
+        dynamics.move();
+        dynamics.strain(Matrix::Zero());
         double kinetic = 0.; // at the time of the places: between two half steps
         for (int i = 0; i < 3; ++i)
           kinetic += 0.5 * before[i].w * std::pow(0.5 * (before[i].z + state.grains.velocity[i].z), 2);

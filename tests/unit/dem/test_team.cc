@@ -30,19 +30,25 @@ namespace
       }
   }
 
-  /** A packing of several blocks of grains, strained for some cycles. */
-  RevState strain(const std::size_t n_threads, const bool is_rotation_free)
+  /** Four blocks of grains. */
+  const RevState &get_packing()
   {
     static const RevState packing = [] {
       PackingRule rule;
-      rule.n_grains = 2600;
+      rule.n_grains = 3200;
       rule.friction = 0.08;
       return generate_packing(rule, GrainMaterial{}, DynamicsRule{}).state;
     }();
+    return packing;
+  }
+
+  /** The packing after a strain. */
+  RevState strain(const std::size_t n_threads, const bool is_rotation_free)
+  {
     RevModel model;
     model.dynamics.n_threads = n_threads;
     model.dynamics.motion.is_rotation_free = is_rotation_free;
-    RevState state = packing;
+    RevState state = get_packing();
     CellControl control;
     control.stretch(2, 2) = 0.995; // the network is built again on the way
     bring_to_rest(state, make_rest_rule(model), control);
@@ -59,6 +65,47 @@ namespace
         ASSERT_GT(alone.counters.cycles, 500u);
         for (const std::size_t n_threads : {2, 3})
           EXPECT_TRUE(are_equal_bits(strain(n_threads, is_rotation_free), alone)) << n_threads;
+      }
+  }
+
+  /** Some cycles of a packing of several blocks, each in one walk through the grains or in two. */
+  RevState run_cycles(const bool is_fused, const std::size_t n_threads, const bool has_true_masses)
+  {
+    RevState state = get_packing();
+    RevModel model;
+    model.dynamics.n_threads = n_threads;
+    model.dynamics.motion.has_true_masses = has_true_masses;
+    model.dynamics.motion.is_rotation_free = true;
+    update_true_masses(state.grains, model.dynamics.motion.density);
+    const ContactLaw law = make_contact_law(model.material);
+    Dynamics dynamics(state, law, model.dynamics);
+    dynamics.compute_forces();
+    dynamics.move();
+    Matrix increment = Matrix::Zero();
+    increment(2, 2) = -1e-5;
+    for (int cycle = 0; cycle < 50; ++cycle)
+      {
+        dynamics.strain(increment);
+        if (is_fused)
+          {
+            dynamics.compute_forces_and_move();
+            continue;
+          }
+        dynamics.compute_forces();
+        dynamics.move();
+      }
+    dynamics.store();
+    return state;
+  }
+
+  TEST(Team, MovesABlockOfGrainsBeforeOthersAreComputedWithoutChangingABit)
+  {
+    // Law: forces of all grains before any moves, or each block as soon as nobody needs it where it is: the same bits.
+    for (const bool has_true_masses : {false, true})
+      {
+        const RevState apart = run_cycles(false, 1, has_true_masses);
+        for (const std::size_t n_threads : {1, 2, 3, 4})
+          EXPECT_TRUE(are_equal_bits(run_cycles(true, n_threads, has_true_masses), apart)) << n_threads;
       }
   }
 } // namespace
