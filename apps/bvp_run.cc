@@ -1,6 +1,6 @@
 #include "apps/bvp_run.h"
 
-#include "apps/stopwatch.h"
+#include "dem/stopwatch.h"
 
 #include "fem/checkpoint.h"
 
@@ -157,9 +157,9 @@ namespace apps
   }
 
   template <int dim>
-  void BvpRun<dim>::record(const fem::StepReport &report)
+  void BvpRun<dim>::write_step(const fem::StepReport &report, const coupling::RevTotals &totals)
   {
-    const coupling::RevTotals totals = rev_material_ ? rev_material_->compute_totals() : coupling::RevTotals{};
+    const dem::Stopwatch watch(output_s_);
     const auto probes = compute_probe_states(*problem_, bvp_.output);
     if (history_)
       history_->write(make_bvp_row(report, totals, probes));
@@ -169,7 +169,13 @@ namespace apps
       write_stage_snapshots(report.stage + 1);
     if (report.is_stage_end || report.step % bvp_.output.checkpoint_interval == 0)
       fem::write_checkpoint(folder_.get_file("checkpoint.h5"), *problem_, stepping_->get_progress());
+  }
 
+  template <int dim>
+  void BvpRun<dim>::record(const fem::StepReport &report)
+  {
+    const coupling::RevTotals totals = rev_material_ ? rev_material_->compute_totals() : coupling::RevTotals{};
+    write_step(report, totals);
     if (bvp_.stages[report.stage].kind == fem::StageKind::creep)
       {
         ++tally_.creep_steps;
@@ -227,8 +233,9 @@ namespace apps
     summary.seed = bvp_.rev.seed;
     summary.n_ranks = dealii::Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD);
     summary.n_threads = line_.n_threads;
-    const double total = measure_seconds_since(start_);
+    const double total = dem::measure_seconds_since(start_);
     summary.wall_s["total"] = total;
+    summary.output_s = output_s_;
     if (rev_material_)
       {
         const coupling::RevTotals totals = rev_material_->compute_totals();
@@ -237,6 +244,7 @@ namespace apps
         summary.cycles = totals.cycles;
         summary.broken_instant = totals.broken_instant;
         summary.broken_delayed = totals.broken_delayed;
+        summary.profile = rev_material_->compute_local_profile();
         summary.wall_s["inside REVs"] = pool.get_working_time();
         summary.wall_s["waiting for other ranks' REVs"] = pool.get_total_time() - pool.get_working_time();
         summary.wall_s["outside REVs"] = total - pool.get_total_time();

@@ -8,7 +8,6 @@
 
 #include "fem/field_output.h"
 
-#include <chrono>
 #include <memory>
 
 namespace apps
@@ -40,6 +39,7 @@ namespace apps
     void resume();
     void open_history();
     void record(const fem::StepReport &report);
+    void write_step(const fem::StepReport &report, const coupling::RevTotals &totals);
     void record_cut(const fem::CutReport &report);
     void write_initial_row();
     void write_stage_snapshots(unsigned int stage) const;
@@ -51,7 +51,7 @@ namespace apps
     const CommandLine &line_;
     const RunFolder folder_;
     const bool is_first_rank_;
-    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+    dem::Clock::time_point start_ = dem::Clock::now();
     Progress progress_;
     std::unique_ptr<fem::ConstitutiveModel> material_;
     coupling::RevMaterial *rev_material_ = nullptr; ///< the same, if its answers come from REVs
@@ -60,5 +60,6 @@ namespace apps
     std::unique_ptr<HistoryFile> history_; ///< on the first rank
     std::unique_ptr<fem::FieldOutput> fields_;
     Tally tally_;
+    double output_s_ = 0.; ///< wall time of writing [s]
   };
 } // namespace apps

@@ -23,7 +23,7 @@ namespace apps
   } // namespace
 
   Progress::Progress(const bool is_shown)
-      : is_shown_(is_shown), is_terminal_(::isatty(STDERR_FILENO) != 0), start_(Clock::now()),
+      : is_shown_(is_shown), is_terminal_(::isatty(STDERR_FILENO) != 0), start_(dem::Clock::now()),
         last_(start_ - std::chrono::hours(1))
   {}
 
@@ -37,12 +37,12 @@ namespace apps
   {
     if (first_share_ < 0.)
       first_share_ = share;
-    const auto now = Clock::now();
+    const auto now = dem::Clock::now();
     if (!is_shown_ || now - last_ < (is_terminal_ ? terminal_pause : log_pause))
       return;
     last_ = now;
     std::string line = fmt::format("[{:3.0f} %] {}", 100. * std::clamp(share, 0., 1.), what);
-    const double elapsed = std::chrono::duration<double>(now - start_).count();
+    const double elapsed = dem::measure_seconds_since(start_);
     if (const double done = share - first_share_; done > 0.01 && share < 1.)
       line += fmt::format(", about {} left", describe_duration(elapsed * (1. - share) / done));
     if (!is_terminal_)

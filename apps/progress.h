@@ -1,6 +1,7 @@
 #pragma once
 
-#include <chrono>
+#include "dem/stopwatch.h"
+
 #include <string>
 
 namespace apps
@@ -26,14 +27,12 @@ namespace apps
     void say(const std::string &line);
 
   private:
-    using Clock = std::chrono::steady_clock;
-
     void clear_line();
 
     bool is_shown_, is_terminal_;
     bool has_line_ = false;
     double first_share_ = -1.; // a resumed run does not start at 0
-    Clock::time_point start_, last_;
+    dem::Clock::time_point start_, last_;
   };
 
   /** "4 h 05 min", "3 min 20 s", "12 s". */

@@ -3,11 +3,11 @@
 #include "apps/history_file.h"
 #include "apps/progress.h"
 #include "apps/rev_checkpoint.h"
-#include "apps/stopwatch.h"
 
 #include "dem/packing_file.h"
 #include "dem/snapshot.h"
 #include "dem/stage_path.h"
+#include "dem/stopwatch.h"
 
 #include <fmt/format.h>
 
@@ -93,7 +93,7 @@ namespace apps
     {
     public:
       Run(const RevCase &rev_case, const CommandLine &line)
-          : case_(rev_case), folder_(line), progress_(!line.is_quiet), last_checkpoint_(Clock::now())
+          : case_(rev_case), folder_(line), progress_(!line.is_quiet), last_checkpoint_(dem::Clock::now())
       {
         folder_.check();
         summary_.seed = rev_case.rev.seed;
@@ -103,7 +103,7 @@ namespace apps
 
       int run()
       {
-        const Clock::time_point begin = Clock::now();
+        const dem::Clock::time_point begin = dem::Clock::now();
         dem::LaboratoryObserver observer;
         observer.observe = [this](const dem::Observation &observation) { record(observation); };
         observer.committed = [this](const dem::LaboratoryPosition &, const double fraction) {
@@ -112,16 +112,16 @@ namespace apps
         observer.stage_edge = [this](const std::size_t stage, const bool is_end) { cross_edge(stage, is_end); };
         const dem::LaboratoryOutcome outcome =
             dem::run_programme(*rev_, case_.stages, case_.laboratory, observer, position_);
-        summary_.wall_s["programme"] = measure_seconds_since(begin);
+        summary_.wall_s["programme"] = dem::measure_seconds_since(begin);
         return finish(outcome);
       }
 
     private:
       void start()
       {
-        const Clock::time_point begin = Clock::now();
+        const dem::Clock::time_point begin = dem::Clock::now();
         const dem::RevState packing = make_packing(case_, progress_, summary_);
-        summary_.wall_s["packing"] = measure_seconds_since(begin);
+        summary_.wall_s["packing"] = dem::measure_seconds_since(begin);
         rev_ = std::make_unique<dem::Rev>(dem::make_rev(case_.rev.model, packing));
         folder_.prepare(case_.parameters);
         history_ = std::make_unique<HistoryFile>(folder_.get_file("history.csv"), name_columns());
@@ -146,6 +146,7 @@ namespace apps
 
       void record(const dem::Observation &observation)
       {
+        const dem::Stopwatch watch(summary_.output_s);
         history_->write(make_row(observation));
         ++n_rows_;
       }
@@ -157,7 +158,7 @@ namespace apps
                                    case_.stages[position_.stage].name, state.time, -state.stress(2, 2) / 1e6,
                                    state.counters.broken_instant + state.counters.broken_delayed),
                        fraction);
-        if (measure_seconds_since(last_checkpoint_) > case_.checkpoint_interval)
+        if (dem::measure_seconds_since(last_checkpoint_) > case_.checkpoint_interval)
           write_checkpoint();
         return false;
       }
@@ -173,6 +174,7 @@ namespace apps
 
       void write_snapshot(const std::string &name)
       {
+        const dem::Stopwatch watch(summary_.output_s);
         const dem::RevState &state = rev_->get_committed();
         dem::write_snapshot(folder_.get_snapshot_file(name), state, dem::list_contacts(state, rev_->get_law()),
                             {case_.rev.seed, case_.rev.model.identity.rev});
@@ -180,8 +182,9 @@ namespace apps
 
       void write_checkpoint()
       {
+        const dem::Stopwatch watch(summary_.output_s);
         write_rev_checkpoint(folder_.get_file("checkpoint.h5"), *rev_, {rev_->get_committed(), position_, n_rows_});
-        last_checkpoint_ = Clock::now();
+        last_checkpoint_ = dem::Clock::now();
       }
 
       int finish(const dem::LaboratoryOutcome outcome)
@@ -194,6 +197,9 @@ namespace apps
         summary_.cycles = state.counters.cycles;
         summary_.broken_instant = state.counters.broken_instant;
         summary_.broken_delayed = state.counters.broken_delayed;
+        summary_.profile = rev_->get_profile();
+        summary_.figures["memory of the REV per grain [bytes]"] =
+            static_cast<double>(rev_->count_bytes()) / static_cast<double>(state.grains.size());
         folder_.write_summary(summary_);
         progress_.say(fmt::format("{}: {} grains, {} broken at once and {} with delay, {} cycles; {}", summary_.status,
                                   state.grains.size(), state.counters.broken_instant, state.counters.broken_delayed,
@@ -222,7 +228,7 @@ namespace apps
       std::unique_ptr<dem::Rev> rev_;
       std::unique_ptr<HistoryFile> history_;
       std::uint64_t n_rows_ = 0;
-      Clock::time_point last_checkpoint_;
+      dem::Clock::time_point last_checkpoint_;
     };
   } // namespace
 

@@ -92,6 +92,9 @@ namespace apps
     json["broken_instant"] = summary.broken_instant;
     json["broken_delayed"] = summary.broken_delayed;
     json["wall_s"] = summary.wall_s;
+    for (std::size_t part = 0; part < dem::part_names.size(); ++part)
+      json["profile_s"][dem::part_names[part]] = summary.profile.seconds[part];
+    json["profile_s"]["output"] = summary.output_s;
     json["figures"] = summary.figures;
     json["peak_memory_bytes"] = measure_peak_memory();
     write_text_file(get_file("summary.json"), json.dump(2) + "\n");

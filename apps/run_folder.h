@@ -2,6 +2,8 @@
 
 #include "apps/command_line.h"
 
+#include "dem/profile.h"
+
 #include <cstdint>
 #include <map>
 #include <string>
@@ -18,6 +20,8 @@ namespace apps
     std::uint64_t broken_instant = 0, broken_delayed = 0;
     unsigned int n_ranks = 1, n_threads = 1;
     std::map<std::string, double> wall_s;  ///< by part of the program [s]
+    dem::Profile profile;                  ///< of the REVs, on the first rank
+    double output_s = 0.;                  ///< wall time of writing files [s]
     std::map<std::string, double> figures; ///< what else is worth knowing, names with units
   };
 

@@ -60,6 +60,9 @@ namespace coupling
 
     RevTotals compute_totals() const;
 
+    /** What the REVs of this rank have spent their time on, all threads added up. */
+    dem::Profile compute_local_profile() const;
+
     /** Writes each committed REV as PREFIX_ID_SUFFIX.h5, on the rank where it lives. Collective. */
     void write_snapshots(const std::string &prefix, const std::string &suffix) const;
 

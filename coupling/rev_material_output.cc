@@ -104,6 +104,14 @@ namespace coupling
     return totals;
   }
 
+  dem::Profile RevMaterial::compute_local_profile() const
+  {
+    dem::Profile profile;
+    for (const PointId id : pool_.get_local_points())
+      profile += points_.at(id).rev->get_profile();
+    return profile;
+  }
+
   std::map<PointId, dealii::SymmetricTensor<2, 3>> RevMaterial::collect_stresses() const
   {
     constexpr std::size_t n_columns = dealii::SymmetricTensor<2, 3>::n_independent_components;

@@ -2,7 +2,7 @@
 
 #include "coupling/tensor_conversion.h"
 
-#include <chrono>
+#include "dem/stopwatch.h"
 
 namespace coupling
 {
@@ -10,12 +10,10 @@ namespace coupling
   {
     dealii::SymmetricTensor<4, 3> compute_trial_tangent(const dem::Rev &rev, const dem::TangentKind kind)
     {
-      dem::Rev moved = rev;
-      moved.accept();
-      dem::Tangent tangent = moved.compute_tangent(kind);
+      dem::Tangent tangent = rev.compute_tangent(rev.get_trial(), kind);
       if (!tangent.allFinite())
-        tangent = moved.compute_tangent(dem::TangentKind::affine);
-      return rotate(to_tensor(tangent), moved.get_baseline().rotation);
+        tangent = rev.compute_tangent(rev.get_trial(), dem::TangentKind::affine);
+      return rotate(to_tensor(tangent), rev.get_trial().rotation);
     }
 
     bool is_too_large(const dealii::Tensor<2, 3> &deformation_increment)
@@ -41,7 +39,7 @@ namespace coupling
   PointAnswer evaluate(dem::Rev &rev, const dealii::Tensor<2, 3> &deformation_increment, const bool with_tangent,
                        const PointRule &rule)
   {
-    const auto start = std::chrono::steady_clock::now();
+    const dem::Clock::time_point start = dem::Clock::now();
     PointAnswer answer;
     fem::PointResponse &response = answer.response;
     response.status = fem::Status::step_too_large;
@@ -63,7 +61,7 @@ namespace coupling
         if (with_tangent)
           response.tangent = compute_trial_tangent(rev, rule.tangent);
       }
-    response.cost_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    response.cost_s = dem::measure_seconds_since(start);
     return answer;
   }
 } // namespace coupling

@@ -1,8 +1,9 @@
 #include "coupling/rev_pool.h"
 
+#include "dem/stopwatch.h"
+
 #include <algorithm>
 #include <atomic>
-#include <chrono>
 #include <exception>
 #include <mutex>
 #include <stdexcept>
@@ -13,20 +14,6 @@ namespace coupling
 {
   namespace
   {
-    /** Adds the time of its life to a sum. */
-    class Stopwatch
-    {
-    public:
-      explicit Stopwatch(double &sum) : sum_(sum), start_(std::chrono::steady_clock::now()) {}
-      ~Stopwatch() { sum_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
-      Stopwatch(const Stopwatch &) = delete;
-      Stopwatch &operator=(const Stopwatch &) = delete;
-
-    private:
-      double &sum_;
-      std::chrono::steady_clock::time_point start_;
-    };
-
     std::span<double> get_row(std::vector<double> &rows, const std::size_t n_columns, const std::size_t i)
     {
       return std::span<double>(rows).subspan(i * n_columns, n_columns);
@@ -82,7 +69,7 @@ namespace coupling
   std::vector<double> RevPool::ask(const Questions &questions, const std::size_t n_columns,
                                    const Responder &respond) const
   {
-    const Stopwatch watch(total_s_);
+    const dem::Stopwatch watch(total_s_);
     if (is_replicated_)
       return answer_all(questions, n_columns, respond);
     std::vector<PointId> ids;
@@ -129,7 +116,7 @@ namespace coupling
   std::vector<double> RevPool::collect(const std::size_t n_columns,
                                        const std::function<void(PointId, std::span<double>)> &respond) const
   {
-    const Stopwatch watch(total_s_);
+    const dem::Stopwatch watch(total_s_);
     return answer_all(
         {points_, {}, 0}, n_columns,
         [&](const PointId id, std::span<const double>, std::span<double> answer) { respond(id, answer); });
@@ -137,13 +124,13 @@ namespace coupling
 
   void RevPool::for_each_local(const std::function<void(PointId)> &work) const
   {
-    const Stopwatch watch(total_s_);
+    const dem::Stopwatch watch(total_s_);
     agree([&]() { run_threads(local_points_.size(), [&](const std::size_t k) { work(local_points_[k]); }); });
   }
 
   void RevPool::run_threads(const std::size_t n, const std::function<void(std::size_t)> &work) const
   {
-    const Stopwatch watch(working_s_);
+    const dem::Stopwatch watch(working_s_);
     std::atomic<std::size_t> next = 0;
     std::mutex mutex;
     std::exception_ptr failure;

@@ -1,6 +1,7 @@
 #include "dem/contact_network.h"
 
 #include "dem/lanes.h"
+#include "dem/memory.h"
 
 #include <algorithm>
 #include <cmath>
@@ -134,6 +135,12 @@ namespace dem
         }
     }
   } // namespace
+
+  std::size_t ContactNetwork::count_bytes() const
+  {
+    return dem::count_bytes(a, b, radius_sum, root_radius, shear_x, shear_y, shear_z, status, blocks, incoming_far,
+                            incoming_grain, place_when_built);
+  }
 
   void ContactNetwork::set_shear(const std::size_t k, const Vector &force, const PairStatus now)
   {

@@ -58,6 +58,7 @@ namespace dem
     std::size_t n_far = 0; ///< room for far pairs
 
     std::size_t size() const { return a.size(); }
+    std::size_t count_bytes() const; ///< memory that it holds
     bool is_pair(const std::size_t k) const { return a[k] != b[k]; }
     Vector get_shear(const std::size_t k) const { return {shear_x[k], shear_y[k], shear_z[k]}; }
     void set_shear(std::size_t k, const Vector &force, PairStatus now);

@@ -2,6 +2,7 @@
 
 #include "dem/contact_network.h"
 #include "dem/fraction.h"
+#include "dem/memory.h"
 
 #include <algorithm>
 #include <cassert>
@@ -89,6 +90,15 @@ namespace dem
     for (auto *values : {&x, &y, &z, &radius})
       values->resize(n);
     grain.resize(n);
+  }
+
+  std::size_t ContactSearch::count_bytes() const
+  {
+    std::size_t n_bytes =
+        dem::count_bytes(levels_, smallest_, box_, start_, excess_, hits_, first_, later_, found_, pairs_);
+    for (const Spheres *spheres : {&sorted_, &candidates_})
+      n_bytes += dem::count_bytes(spheres->x, spheres->y, spheres->z, spheres->radius, spheres->grain);
+    return n_bytes;
   }
 
   const std::vector<NearPair> &ContactSearch::list_near_pairs(const Cell &cell, const std::vector<Row> &place,

@@ -41,6 +41,8 @@ namespace dem
      */
     const std::vector<NearPair> &list_near_pairs(const Cell &cell, const std::vector<Row> &place, double skin);
 
+    std::size_t count_bytes() const; ///< memory that it holds
+
   private:
     /** The grains of one class of size, as boxes numbered from first_box on, x fastest. */
     struct Level

@@ -1,5 +1,8 @@
 #include "dem/dynamics.h"
 
+#include "dem/memory.h"
+#include "dem/stopwatch.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -56,12 +59,16 @@ namespace dem
     has_masses_ = false;
     // Crushing leaves siblings at the end of the store. A REV of one block lies in the nearest cache in any order.
     if (state_.grains.size() > grains_per_block)
-      sort_in_space(state_);
+      {
+        const Stopwatch watch(profile_[Part::search]);
+        sort_in_space(state_);
+      }
     build_network();
   }
 
   void Dynamics::build_network()
   {
+    const Stopwatch watch(profile_[Part::search]);
     reduce_lattice(state_);
     const double skin = rule_.skin_share * compute_mean_radius(state_.grains);
     is_wide_enough_ = dem::is_wide_enough(state_.cell, compute_reach(state_.grains, skin));
@@ -89,6 +96,7 @@ namespace dem
     update_network();
     if (!is_wide_enough_)
       return;
+    const Stopwatch watch(profile_[Part::forces]);
     sums_ = compute_contact_forces({state_, law_, motion_}, network_, forces_, team_);
     if (!has_masses_)
       refresh_masses();
@@ -109,6 +117,7 @@ namespace dem
 
   void Dynamics::move()
   {
+    const Stopwatch watch(profile_[Part::motion]);
     block_steps_.resize(network_.blocks.size());
     team_.run(network_.blocks.size(), [this](const std::size_t k) { move_block(k); });
   }
@@ -162,6 +171,13 @@ namespace dem
     for (const Row &place : state_.grains.place)
       sum += place.x + place.y + place.z;
     return std::isfinite(sum);
+  }
+
+  std::size_t Dynamics::count_bytes() const
+  {
+    return network_.count_bytes() + search_.count_bytes() +
+           dem::count_bytes(forces_.force, forces_.torque, forces_.largest_stress, forces_.far_force,
+                            forces_.far_torque, forces_.normal_force, forces_.overlap, forces_.block_sums);
   }
 
   Matrix Dynamics::compute_stress() const

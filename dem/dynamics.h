@@ -1,6 +1,7 @@
 #pragma once
 
 #include "dem/motion.h"
+#include "dem/profile.h"
 
 namespace dem
 {
@@ -62,6 +63,10 @@ namespace dem
     /** Largest contact stress of each grain [Pa], where the rule has it. */
     const std::vector<double> &get_largest_contact_stress() const { return forces_.largest_stress; }
     const ContactNetwork &get_network() const { return network_; }
+    /** Search as it was; forces and motion of those cycles alone in which the two can be told apart. */
+    const Profile &get_profile() const { return profile_; }
+    /** All that it holds beside the state [bytes]. */
+    std::size_t count_bytes() const;
 
   private:
     void build_network();
@@ -83,5 +88,6 @@ namespace dem
     double travel_ = 0.; // bound on any grain's way since the network was built [m]
     bool is_wide_enough_ = true;
     std::size_t n_cycles_ = 0;
+    Profile profile_;
   };
 } // namespace dem

@@ -1,6 +1,7 @@
 #include "dem/equilibrium.h"
 
 #include "dem/homogenisation.h"
+#include "dem/stopwatch.h"
 
 #include <algorithm>
 #include <cmath>
@@ -138,12 +139,26 @@ namespace dem
       return cycle == schedule.last ? std::optional(RestStatus::cap_reached) : std::nullopt;
     }
 
+    /** Shares the time of a run among its parts: most cycles walk through the grains once, for forces and motion. */
+    void fill_profile(const Profile &sampled, const double seconds, Profile &profile)
+    {
+      profile[Part::search] = sampled[Part::search];
+      const double rest = seconds - profile[Part::search] - profile[Part::servo];
+      const double forces = sampled[Part::forces], motion = sampled[Part::motion], both = forces + motion;
+      profile[Part::forces] = both > 0. ? rest * forces / both : rest;
+      profile[Part::motion] = rest - profile[Part::forces];
+    }
+
     RestStatus run_cycles(Dynamics &dynamics, const EquilibriumRule &rule, const CellControl &control,
                           const CycleHook &hook, RestReport &report)
     {
       const CellDriver driver(control, rule);
       const Schedule schedule(rule, driver, hook);
       const bool has_servo = control.has_servo();
+      const auto look = [&](const std::size_t cycle) {
+        const Stopwatch watch(report.profile[Part::servo]);
+        return find_end(schedule, driver, control, rule, dynamics, cycle);
+      };
       for (std::size_t cycle = 0;; ++cycle)
         {
           const bool is_watched = schedule.is_watched(cycle);
@@ -161,7 +176,7 @@ namespace dem
             record_deviations(driver, control, stress, report);
           if (is_watched)
             {
-              if (const auto end = find_end(schedule, driver, control, rule, dynamics, cycle))
+              if (const auto end = look(cycle))
                 return *end;
               dynamics.refresh_masses();
               dynamics.move();
@@ -194,11 +209,14 @@ namespace dem
 
   RestReport bring_to_rest(RevState &state, const RestRule &rule, const CellControl &control, const CycleHook &hook)
   {
+    const Clock::time_point start = Clock::now();
     Dynamics dynamics(state, rule.law, rule.dynamics);
     RestReport report;
     report.status = run_cycles(dynamics, rule.equilibrium, control, hook, report);
     if (report.status != RestStatus::cell_too_narrow)
       dynamics.store();
+    fill_profile(dynamics.get_profile(), measure_seconds_since(start), report.profile);
+    report.n_bytes = dynamics.count_bytes();
     report.unbalanced_ratio = state.unbalanced_ratio;
     return report;
   }

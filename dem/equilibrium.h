@@ -44,7 +44,9 @@ namespace dem
   {
     RestStatus status = RestStatus::at_rest;
     std::size_t n_cycles = 0;
-    double duration = 0.; ///< time that passed meanwhile [s]; 0 with scaled masses
+    Profile profile;         ///< forces, search, motion and servo
+    std::size_t n_bytes = 0; ///< held meanwhile beside the state
+    double duration = 0.;    ///< time that passed meanwhile [s]; 0 with scaled masses
     double unbalanced_ratio = std::numeric_limits<double>::quiet_NaN();
     /** Largest and smallest deviation of each controlled stress from its target on the way [Pa]. */
     std::array<double, 6> largest_deviation{}, smallest_deviation{};

@@ -1,5 +1,7 @@
 #include "dem/grains.h"
 
+#include "dem/memory.h"
+
 #include <numbers>
 
 namespace dem
@@ -7,8 +9,8 @@ namespace dem
   namespace
   {
     // The one list of arrays: whatever is done to all of them is done here.
-    template <typename Operation, typename... Others>
-    void for_each_array(const Operation &operation, Grains &grains, Others &...others)
+    template <typename Operation, typename First, typename... Others>
+    void for_each_array(const Operation &operation, First &grains, Others &...others)
     {
       operation(grains.place, others.place...);
       operation(grains.velocity, others.velocity...);
@@ -22,6 +24,13 @@ namespace dem
       operation(grains.largest_contact_stress, others.largest_contact_stress...);
     }
   } // namespace
+
+  std::size_t Grains::count_bytes() const
+  {
+    std::size_t n_bytes = 0;
+    for_each_array([&n_bytes](const auto &array) { n_bytes += dem::count_bytes(array); }, *this);
+    return n_bytes;
+  }
 
   void Grains::resize(const std::size_t n)
   {

@@ -33,6 +33,8 @@ namespace dem
 
     std::size_t size() const { return place.size(); }
 
+    std::size_t count_bytes() const; ///< memory that the arrays hold
+
     /** Makes room for n grains in every array. */
     void resize(std::size_t n);
 

@@ -2,6 +2,7 @@
 
 #include "dem/ageing.h"
 #include "dem/dynamic_computation.h"
+#include "dem/stopwatch.h"
 
 namespace dem
 {
@@ -39,7 +40,13 @@ namespace dem
       : model_(model), law_(make_contact_law(model.material)), committed_(state), baseline_(state), trial_(state)
   {}
 
-  RestReport Rev::bring_to_rest(RevState &state, CellControl control) const
+  void Rev::copy(const RevState &from, RevState &to)
+  {
+    const Stopwatch watch(profile_[Part::copy]);
+    to = from;
+  }
+
+  RestReport Rev::bring_to_rest(RevState &state, CellControl control)
   {
     const bool is_strained = !control.has_servo();
     const Matrix asked = control.stretch * state.cell.deformation;
@@ -49,8 +56,11 @@ namespace dem
     const RestReport report = model_.dynamics.motion.has_true_masses
                                   ? run_dynamic_computation(state, rule, {model_.fracture, model_.identity}, control)
                                   : dem::bring_to_rest(state, rule, control);
+    profile_ += report.profile;
+    n_bytes_at_rest_ = report.n_bytes;
     if (is_strained)
       state.cell.deformation = asked; // so that what the grid leaves out never adds up
+    const Stopwatch watch(profile_[Part::ageing]);
     if (report.status == RestStatus::at_rest)
       update_crack_velocities(state.grains, list_contacts(state, law_), model_.fracture);
     return report;
@@ -58,7 +68,7 @@ namespace dem
 
   RestReport Rev::deform(const Matrix &stretch)
   {
-    trial_ = baseline_;
+    copy(baseline_, trial_);
     const Matrix &deformation = baseline_.cell.deformation;
     const Matrix asked = stretch * deformation;
     if (compute_stretch_on_grid(deformation, asked) == Matrix::Identity())
@@ -75,7 +85,7 @@ namespace dem
 
   RestReport Rev::control(const CellControl &control)
   {
-    trial_ = baseline_;
+    copy(baseline_, trial_);
     return bring_to_rest(trial_, control);
   }
 
@@ -86,12 +96,14 @@ namespace dem
 
   double Rev::compute_time_to_next_batch(const unsigned int n_cuts) const
   {
+    const Stopwatch watch(profile_[Part::ageing]);
     return compute_time_to_batch(baseline_.grains,
                                  compute_batch_limit(model_.fracture, baseline_.grains.size(), n_cuts));
   }
 
   std::size_t Rev::age(const double dt)
   {
+    const Stopwatch watch(profile_[Part::ageing]);
     const auto contacts = list_contacts(baseline_, law_);
     const auto broken = advance_cracks(baseline_.grains, dt);
     split_grains(baseline_, broken, contacts, model_.fracture, model_.identity);
@@ -107,6 +119,7 @@ namespace dem
 
   std::size_t Rev::split_overstressed()
   {
+    const Stopwatch watch(profile_[Part::ageing]);
     auto places = list_overstressed(baseline_.grains, model_.fracture);
     places.resize(std::min(places.size(), compute_batch_limit(model_.fracture, baseline_.grains.size())));
     if (places.empty())
@@ -118,15 +131,21 @@ namespace dem
 
   void Rev::revert()
   {
-    baseline_ = committed_;
-    trial_ = committed_;
+    copy(committed_, baseline_);
+    copy(committed_, trial_);
   }
 
-  Tangent Rev::compute_tangent(const TangentKind kind) const
+  std::size_t Rev::count_bytes() const
   {
-    const auto contacts = list_contacts(baseline_, law_);
-    const auto radii = list_radii(baseline_.grains);
-    const ContactGraph graph{contacts, radii, baseline_.cell.compute_volume(), model_.dynamics.motion.is_rotation_free};
+    return dem::count_bytes(committed_) + dem::count_bytes(baseline_) + dem::count_bytes(trial_) + n_bytes_at_rest_;
+  }
+
+  Tangent Rev::compute_tangent(const RevState &state, const TangentKind kind) const
+  {
+    const Stopwatch watch(profile_[Part::tangent]);
+    const auto contacts = list_contacts(state, law_);
+    const auto radii = list_radii(state.grains);
+    const ContactGraph graph{contacts, radii, state.cell.compute_volume(), model_.dynamics.motion.is_rotation_free};
     return kind == TangentKind::condensed ? compute_condensed_tangent(graph) : compute_affine_tangent(graph);
   }
 

@@ -47,7 +47,7 @@ namespace dem
     RestReport control(const CellControl &control);
 
     /** The trial becomes the baseline. */
-    void accept() { baseline_ = trial_; }
+    void accept() { copy(trial_, baseline_); }
 
     /** Time until the next batch of fractures in the baseline [s]; infinity: none. */
     double compute_time_to_next_batch(unsigned int n_cuts = 0) const;
@@ -65,29 +65,36 @@ namespace dem
     /** Brings the baseline to rest at held strain. */
     RestReport relax();
 
-    void commit() { committed_ = baseline_; }
+    void commit() { copy(baseline_, committed_); }
 
     /** Baseline and trial are dropped. */
     void revert();
 
-    /** Tangent of the baseline in its own axes [Pa]. */
-    Tangent compute_tangent(TangentKind kind) const;
+    /** Tangent of one of the three states in its own axes [Pa]. */
+    Tangent compute_tangent(const RevState &state, TangentKind kind) const;
 
     const RevState &get_committed() const { return committed_; }
     const RevState &get_baseline() const { return baseline_; }
     const RevState &get_trial() const { return trial_; }
     const RevModel &get_model() const { return model_; }
     const ContactLaw &get_law() const { return law_; }
+    const Profile &get_profile() const { return profile_; }
+
+    /** Memory of the three states and of what the last run to rest held beside them [bytes]. */
+    std::size_t count_bytes() const;
 
     /** Turns the trial's axes: Q in stress = Q sigma Q^T. */
     void set_trial_rotation(const Matrix &rotation) { trial_.rotation = rotation; }
 
   private:
-    RestReport bring_to_rest(RevState &state, CellControl control) const;
+    RestReport bring_to_rest(RevState &state, CellControl control);
+    void copy(const RevState &from, RevState &to);
 
     RevModel model_;
     ContactLaw law_;
     RevState committed_, baseline_, trial_;
+    mutable Profile profile_;
+    std::size_t n_bytes_at_rest_ = 0;
   };
 
   /** A REV from a packing: strengths and cracks drawn, clocks and counters at zero. */

@@ -1,6 +1,7 @@
 #include "dem/rev_state.h"
 
 #include "dem/checksum.h"
+#include "dem/memory.h"
 #include "dem/spatial_order.h"
 
 #include <algorithm>
@@ -165,6 +166,11 @@ namespace dem
       return header;
     }
   } // namespace
+
+  std::size_t count_bytes(const RevState &state)
+  {
+    return sizeof state + state.grains.count_bytes() + count_bytes(state.contacts);
+  }
 
   void sort_in_space(RevState &state)
   {

@@ -41,6 +41,9 @@ namespace dem
     Counters counters;
   };
 
+  /** Memory that a state holds [bytes]. */
+  std::size_t count_bytes(const RevState &state);
+
   /** Stores grains that are near in space near each other, so that they share caches; what they are and remember stays.
    */
   void sort_in_space(RevState &state);

@@ -1,4 +1,5 @@
 #include "dem/rev.h"
+#include "dem/stopwatch.h"
 
 #include "dem/snapshot.h"
 #include "dem/splitting.h"
@@ -206,14 +207,37 @@ namespace
   {
     // Law: the affine estimate bounds the condensed one from above; neither looks at the trial.
     Rev rev = make_loaded_rev();
-    const Tangent condensed = rev.compute_tangent(TangentKind::condensed);
-    const Tangent affine = rev.compute_tangent(TangentKind::affine);
+    const Tangent condensed = rev.compute_tangent(rev.get_baseline(), TangentKind::condensed);
+    const Tangent affine = rev.compute_tangent(rev.get_baseline(), TangentKind::affine);
     for (int k = 0; k < 6; ++k)
       EXPECT_LT(condensed(k, k), affine(k, k));
     EXPECT_GT(condensed(2, 2), 0.);
     rev.deform(make_stretch());
-    EXPECT_EQ(rev.compute_tangent(TangentKind::condensed), condensed);
+    EXPECT_EQ(rev.compute_tangent(rev.get_baseline(), TangentKind::condensed), condensed);
     rev.accept();
-    EXPECT_NE(rev.compute_tangent(TangentKind::condensed), condensed);
+    EXPECT_NE(rev.compute_tangent(rev.get_baseline(), TangentKind::condensed), condensed);
+  }
+
+  TEST(Rev, SaysWhatItSpendsAndHolds)
+  {
+    // Law: times by part are not negative and no longer than the whole; memory of the three states and of a run to
+    // rest, contacts included, is at most 1500 bytes a grain.
+    const dem::Clock::time_point start = dem::Clock::now();
+    Rev rev = make_rev(RevModel{}, get_packing().state);
+    rev.deform(Vector(1., 1., 0.998).asDiagonal());
+    rev.accept();
+    rev.compute_tangent(rev.get_baseline(), TangentKind::condensed);
+    double sum = 0.;
+    for (const double seconds : rev.get_profile().seconds)
+      {
+        EXPECT_GE(seconds, 0.);
+        sum += seconds;
+      }
+    EXPECT_LE(sum, dem::measure_seconds_since(start));
+    for (const Part part : {Part::forces, Part::search, Part::motion, Part::servo, Part::tangent, Part::copy})
+      EXPECT_GT(rev.get_profile()[part], 0.) << part_names[static_cast<std::size_t>(part)];
+    const std::size_t n_grains = rev.get_baseline().grains.size();
+    EXPECT_GT(rev.count_bytes(), 3 * n_grains * (3 * sizeof(Row) + 2 * sizeof(ContactMemory))); // two contacts a grain
+    EXPECT_LT(rev.count_bytes(), 1500 * n_grains);
   }
 } // namespace

@@ -100,7 +100,7 @@ namespace
   {
     constexpr double size = 1e-6;
     Rev rev = make_tight_rev(make_frictionless_packing(GetParam()), 10.); // so much friction that nothing slides
-    const Tangent tangent = rev.compute_tangent(TangentKind::condensed);
+    const Tangent tangent = rev.compute_tangent(rev.get_baseline(), TangentKind::condensed);
     const double largest = tangent.cwiseAbs().maxCoeff();
     for (int m = 0; m < 6; ++m)
       {

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+namespace dem
+{
+  /** Memory that some arrays hold [bytes]. */
+  template <typename... T>
+  std::size_t count_bytes(const std::vector<T> &...arrays)
+  {
+    return (std::size_t(0) + ... + (arrays.capacity() * sizeof(T)));
+  }
+} // namespace dem
