@@ -168,4 +168,16 @@ namespace dem
     take(6, __builtin_shufflevector(r26, r26, 4, 5, 6, 7));
     take(7, __builtin_shufflevector(r37, r37, 4, 5, 6, 7));
   }
+
+  [[gnu::always_inline]] inline Lanes load_lanes(const double *from)
+  {
+    Lanes value;
+    __builtin_memcpy(&value, from, sizeof value);
+    return value;
+  }
+
+  [[gnu::always_inline]] inline void store_lanes(double *to, const Lanes value)
+  {
+    __builtin_memcpy(to, &value, sizeof value);
+  }
 } // namespace dem
