@@ -16,7 +16,7 @@ namespace dem
     std::size_t fixed_cycles = 0;   ///< run just so many instead (150000 in the time-to-fracture paper); 0: criterion
     std::size_t cycle_cap = 200000; ///< give up beyond this
     double strain_per_cycle = 1e-5; ///< largest entry of a cell's strain increment in one cycle [-]
-    double servo_gain = 0.02;       ///< share of the stress error that one cycle's strain takes away [-]
+    double servo_gain = 0.2;        ///< share of the stress error that one cycle's strain takes away [-]
   };
 
   /** Six components xx, yy, zz, xy, yz, xz: each is strained or held at a stress. */
