@@ -1,5 +1,7 @@
 #include "apps/rev_case.h"
 
+#include "dem/programme_check.h"
+
 #include <fmt/format.h>
 
 #include <sstream>
@@ -32,26 +34,50 @@ namespace apps
       return stages;
     }
 
+    /** Where a load ends: one of them is given. */
+    void bind_targets(ParameterBinder &binder, dem::LaboratoryStage &stage)
+    {
+      binder.bind("Stress", stage.stress, any_number,
+                  "Pressure (isotropic) or axial stress (oedometric) at the end, compression-positive; 0: not given. "
+                  "Units: [Pa].");
+      binder.bind("Axial strain", stage.axial_strain, {-1., 1.},
+                  "Oedometric, triaxial, constant p: at the end; strength search: the largest; logarithmic since stage "
+                  "1, compression-positive; 0: not given. Units: [-].");
+      binder.bind("Deviatoric stress", stage.deviatoric_stress, any_number,
+                  "Triaxial, constant p: q, axial less lateral stress, at the end; 0: not given. Units: [Pa].");
+      binder.bind("Share of q_max", stage.strength_share, {0., 10.},
+                  "Triaxial, constant p: q at the end over q_max; 0: not given. Units: [-].");
+      binder.bind("q_max", stage.strength, non_negative,
+                  "For Share of q_max; 0: that found by the strength search before. Units: [Pa].");
+      binder.bind("Drop below q_max", stage.strength_drop, {0., 1., true, true},
+                  "Strength search: it ends once q has fallen by this share of its maximum. Units: [-].");
+      binder.bind("Goes back", stage.goes_back,
+                  "Strength search: the REV is put back to where the search began, and q_max alone is kept. Units: "
+                  "none.");
+    }
+
     void bind_stage(ParameterBinder &binder, const std::string &section, dem::LaboratoryStage &stage, StageText &text)
     {
       using dem::HeldStress;
       using dem::StageKind;
       binder.enter(section);
       binder.bind("Name", stage.name, "What the progress and the messages call it. Units: none.");
-      binder.bind_choice<StageKind>("Kind", stage.kind,
-                                    {{"isotropic", StageKind::isotropic},
-                                     {"oedometric", StageKind::oedometric},
-                                     {"triaxial", StageKind::triaxial},
-                                     {"creep", StageKind::creep},
-                                     {"relaxation", StageKind::relaxation},
-                                     {"strain path", StageKind::strain_path}},
-                                    "isotropic: three equal stresses; oedometric: axial stress, no lateral strain; "
-                                    "triaxial: axial strain, lateral stresses held; creep: stresses held; relaxation: "
-                                    "strain held; strain path: six strains. Units: none.");
-      binder.bind("Stress", stage.stress, any_number,
-                  "Pressure (isotropic) or axial stress (oedometric) at the end, compression-positive. Units: [Pa].");
-      binder.bind("Axial strain", stage.axial_strain, {-1., 1.},
-                  "Triaxial: at the end, logarithmic since stage 1, compression-positive. Units: [-].");
+      binder.bind_choice<StageKind>(
+          "Kind", stage.kind,
+          {{"isotropic", StageKind::isotropic},
+           {"oedometric", StageKind::oedometric},
+           {"triaxial", StageKind::triaxial},
+           {"constant p", StageKind::constant_p},
+           {"strength search", StageKind::strength_search},
+           {"creep", StageKind::creep},
+           {"relaxation", StageKind::relaxation},
+           {"strain path", StageKind::strain_path}},
+          "isotropic: three equal stresses; oedometric: axial stress or strain, no lateral strain; triaxial: axial "
+          "strain or deviatoric stress, lateral stresses held; constant p: the same, mean stress held; strength "
+          "search: "
+          "axial strain at held lateral stresses until q has passed its maximum; creep: stresses held; relaxation: "
+          "strain held; strain path: six strains. Units: none.");
+      bind_targets(binder, stage);
       binder.bind_list("Strain", text.strain, 6,
                        "Strain path: xx, yy, zz, xy, yz, xz at the end, logarithmic since stage 1, "
                        "compression-positive, tensor shear. Units: [-].");
@@ -76,6 +102,15 @@ namespace apps
                   "Of an increment: below it the increment is not halved again. Units: [-].");
       binder.bind("Round cap", rev_case.laboratory.round_cap, {1., 1e6},
                   "Equilibria of one avalanche of fractures, beyond which it is a rupture. Units: [-].");
+      binder.bind("Flow strain", rev_case.laboratory.flow_strain, positive,
+                  "Largest strain that one dynamic computation under held stress may bring: beyond it a creep has "
+                  "ruptured. Units: [-].");
+      binder.bind("Largest strain", rev_case.laboratory.largest_strain, positive,
+                  "Of a load that goes to a stress, since the load began: beyond it the stress is not reached. Units: "
+                  "[-].");
+      binder.bind("Unstable swing", rev_case.laboratory.unstable_swing, positive,
+                  "Of a controlled stress to both sides, over the largest target: one that does not come to rest and "
+                  "swings by more has an unstable servo. Units: [-].");
       binder.bind("Checkpoint interval", rev_case.checkpoint_interval, non_negative,
                   "Wall time between checkpoints; the results do not depend on it. Units: [s].");
       binder.leave();
@@ -88,10 +123,10 @@ namespace apps
         {
           dem::check_programme(stages);
         }
-      catch (const std::invalid_argument &error)
+      catch (const dem::StageContradiction &error)
         {
-          binder.reject("Number of stages",
-                        fmt::format("describes an impossible programme: {}", std::string(error.what())));
+          binder.reject(fmt::format("Stage {}/{}", error.stage + 1, error.quantity),
+                        fmt::format("is not allowed: {}", std::string(error.what())));
         }
     }
   } // namespace

@@ -13,6 +13,10 @@ namespace apps
   namespace
   {
     constexpr const char *position_dataset = "/progress/position";
+    constexpr const char *search_dataset = "/progress/before_search";
+
+    /** 1: no strength, no search; read as such. */
+    constexpr unsigned int format_version = 2;
 
     // The shortest decimals that read back as the same numbers: a resumed run has the same bits.
     nlohmann::json to_json(const dem::Matrix &matrix)
@@ -31,20 +35,29 @@ namespace apps
     std::string write_position(const RevCheckpoint &checkpoint)
     {
       const dem::LaboratoryPosition &position = checkpoint.position;
-      return nlohmann::json{{"stage", position.stage},
+      return nlohmann::json{{"format_version", format_version},
+                            {"stage", position.stage},
                             {"share", position.share},
                             {"share_step", position.share_step},
                             {"time_in_stage_s", position.time_in_stage},
                             {"n_cuts", position.n_cuts},
                             {"stress_at_start_Pa", to_json(position.stress_at_start)},
                             {"strain_at_start", to_json(position.strain_at_start)},
+                            {"strength_Pa", position.strength},
+                            {"strain_at_strength", position.strain_at_strength},
+                            {"is_searching", position.before_search.has_value()},
                             {"history_rows", checkpoint.n_rows}}
           .dump(1);
     }
 
-    void read_position(const std::string &text, RevCheckpoint &checkpoint)
+    /** @return whether a search is under way */
+    bool read_position(const std::string &text, RevCheckpoint &checkpoint)
     {
       const auto json = nlohmann::json::parse(text);
+      const auto version = json.value("format_version", 1u);
+      if (version > format_version)
+        throw std::invalid_argument(
+            fmt::format("format_version is {}, this program reads up to {}", version, format_version));
       dem::LaboratoryPosition &position = checkpoint.position;
       position.stage = json.at("stage").get<std::size_t>();
       position.share = json.at("share").get<double>();
@@ -54,6 +67,11 @@ namespace apps
       position.stress_at_start = to_matrix(json.at("stress_at_start_Pa"));
       position.strain_at_start = to_matrix(json.at("strain_at_start"));
       checkpoint.n_rows = json.at("history_rows").get<std::uint64_t>();
+      if (version < 2)
+        return false;
+      position.strength = json.at("strength_Pa").get<double>();
+      position.strain_at_strength = json.at("strain_at_strength").get<double>();
+      return json.at("is_searching").get<bool>();
     }
   } // namespace
 
@@ -65,6 +83,8 @@ namespace apps
         dem::write_snapshot(unfinished, checkpoint.state, dem::list_contacts(checkpoint.state, rev.get_law()),
                             {rev.get_model().identity.seed, rev.get_model().identity.rev});
         dem::write_text(unfinished, position_dataset, write_position(checkpoint));
+        if (checkpoint.position.before_search)
+          dem::write_bytes(unfinished, search_dataset, dem::serialise(*checkpoint.position.before_search));
         dem::publish_file(unfinished, file);
       }
     catch (...)
@@ -82,7 +102,8 @@ namespace apps
     const std::string text = dem::read_text(file, position_dataset);
     try
       {
-        read_position(text, checkpoint);
+        if (read_position(text, checkpoint))
+          checkpoint.position.before_search = dem::deserialise(dem::read_bytes(file, search_dataset));
       }
     catch (const std::exception &error)
       {

@@ -4,6 +4,7 @@
 #include "apps/progress.h"
 #include "apps/rev_checkpoint.h"
 
+#include "dem/attempt_judgement.h"
 #include "dem/packing_file.h"
 #include "dem/snapshot.h"
 #include "dem/stage_path.h"
@@ -134,7 +135,7 @@ namespace apps
         const RevCheckpoint checkpoint = as_bad_input([&] { return read_rev_checkpoint(file); });
         position_ = checkpoint.position;
         prolong_held_stage(case_.stages, file, position_);
-        n_rows_ = checkpoint.n_rows;
+        n_rows_ = n_committed_rows_ = checkpoint.n_rows;
         rev_ = std::make_unique<dem::Rev>(case_.rev.model, checkpoint.state);
         std::uint64_t row = 0;
         history_ =
@@ -153,6 +154,7 @@ namespace apps
 
       bool advance(const double fraction)
       {
+        n_committed_rows_ = n_rows_;
         const dem::RevState &state = rev_->get_committed();
         progress_.show(fmt::format("{}: {:.4g} s, axial stress {:.4g} MPa, {} grains broken",
                                    case_.stages[position_.stage].name, state.time, -state.stress(2, 2) / 1e6,
@@ -168,6 +170,9 @@ namespace apps
         if (!is_end)
           return progress_.say(
               fmt::format("stage {} of {}: {}", stage + 1, case_.stages.size(), case_.stages[stage].name));
+        if (case_.stages[stage].kind == dem::StageKind::strength_search)
+          progress_.say(fmt::format("q_max = {:.4g} MPa at an axial strain of {:.4g}", position_.strength / 1e6,
+                                    -position_.strain_at_strength));
         if (rev_->get_committed().counters.cycles > 0)
           write_snapshot(fmt::format("stage_{}", stage + 1));
       }
@@ -183,7 +188,8 @@ namespace apps
       void write_checkpoint()
       {
         const dem::Stopwatch watch(summary_.output_s);
-        write_rev_checkpoint(folder_.get_file("checkpoint.h5"), *rev_, {rev_->get_committed(), position_, n_rows_});
+        write_rev_checkpoint(folder_.get_file("checkpoint.h5"), *rev_,
+                             {rev_->get_committed(), position_, n_committed_rows_});
         last_checkpoint_ = dem::Clock::now();
       }
 
@@ -191,7 +197,6 @@ namespace apps
       {
         const dem::RevState &state = rev_->get_committed();
         write_checkpoint();
-        const bool is_finished = outcome == dem::LaboratoryOutcome::finished;
         summary_.status = dem::describe(outcome);
         summary_.grains = state.grains.size();
         summary_.cycles = state.counters.cycles;
@@ -200,21 +205,60 @@ namespace apps
         summary_.profile = rev_->get_profile();
         summary_.figures["memory of the REV per grain [bytes]"] =
             static_cast<double>(rev_->count_bytes()) / static_cast<double>(state.grains.size());
+        list_findings(outcome);
         folder_.write_summary(summary_);
         progress_.say(fmt::format("{}: {} grains, {} broken at once and {} with delay, {} cycles; {}", summary_.status,
                                   state.grains.size(), state.counters.broken_instant, state.counters.broken_delayed,
                                   state.counters.cycles, folder_.get_path()));
-        if (!is_finished)
-          std::cerr << fmt::format(
-              "slowsand-rev: stage {} ({}), {:.6g} s: {}{}. The last state at rest is in {}; change "
-              "a parameter with --set and go on with --resume {}\n",
-              position_.stage + 1, case_.stages[position_.stage].name, state.time, summary_.status,
-              describe_cause(outcome), folder_.get_file("checkpoint.h5"), folder_.get_path());
-        return is_finished ? 0 : 1;
+        if (outcome == dem::LaboratoryOutcome::finished)
+          return 0;
+        return is_result(outcome) ? tell_rupture() : tell_failure(outcome);
+      }
+
+      /** A creep test that ends in rupture has answered the question it was run for. */
+      bool is_result(const dem::LaboratoryOutcome outcome) const
+      {
+        return outcome == dem::LaboratoryOutcome::ruptured &&
+               case_.stages[position_.stage].kind == dem::StageKind::creep;
+      }
+
+      void list_findings(const dem::LaboratoryOutcome outcome)
+      {
+        if (position_.strength > 0.)
+          {
+            summary_.findings["q_max_Pa"] = position_.strength;
+            summary_.findings["strain_at_q_max"] = -position_.strain_at_strength;
+          }
+        if (outcome != dem::LaboratoryOutcome::ruptured)
+          return;
+        summary_.findings["rupture_time_s"] = position_.rupture_time;
+        summary_.findings["rupture_criterion"] = std::string(dem::describe(position_.criterion));
+      }
+
+      int tell_rupture()
+      {
+        write_snapshot(fmt::format("stage_{}", position_.stage + 1));
+        progress_.say(fmt::format("stage {} ({}) ruptured at {:.6g} s: {}; {} stages are left undone",
+                                  position_.stage + 1, case_.stages[position_.stage].name, position_.rupture_time,
+                                  dem::describe(position_.criterion), case_.stages.size() - position_.stage - 1));
+        return 0;
+      }
+
+      int tell_failure(const dem::LaboratoryOutcome outcome) const
+      {
+        std::cerr << fmt::format(
+            "slowsand-rev: stage {} ({}), {:.6g} s: {}{}; {}. The last state at rest is in {}; change a parameter with "
+            "--set and go on with --resume {}\n",
+            position_.stage + 1, case_.stages[position_.stage].name, rev_->get_committed().time, summary_.status,
+            describe_cause(outcome), dem::suggest_remedy(outcome), folder_.get_file("checkpoint.h5"),
+            folder_.get_path());
+        return 1;
       }
 
       std::string describe_cause(const dem::LaboratoryOutcome outcome) const
       {
+        if (outcome == dem::LaboratoryOutcome::ruptured)
+          return fmt::format(" ({})", dem::describe(position_.criterion));
         return outcome == dem::LaboratoryOutcome::no_equilibrium
                    ? fmt::format(" ({})", dem::describe(position_.last_rest))
                    : "";
@@ -227,7 +271,7 @@ namespace apps
       dem::LaboratoryPosition position_;
       std::unique_ptr<dem::Rev> rev_;
       std::unique_ptr<HistoryFile> history_;
-      std::uint64_t n_rows_ = 0;
+      std::uint64_t n_rows_ = 0, n_committed_rows_ = 0; // rows of a rupture are committed by no step
       dem::Clock::time_point last_checkpoint_;
     };
   } // namespace

@@ -91,6 +91,8 @@ namespace apps
     json["cycles"] = summary.cycles;
     json["broken_instant"] = summary.broken_instant;
     json["broken_delayed"] = summary.broken_delayed;
+    for (const auto &[name, finding] : summary.findings)
+      std::visit([&, &key = name](const auto &value) { json[key] = value; }, finding);
     json["wall_s"] = summary.wall_s;
     for (std::size_t part = 0; part < dem::part_names.size(); ++part)
       json["profile_s"][dem::part_names[part]] = summary.profile.seconds[part];

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <map>
 #include <string>
+#include <variant>
 
 namespace apps
 {
@@ -23,6 +24,8 @@ namespace apps
     dem::Profile profile;                  ///< of the REVs, on the first rank
     double output_s = 0.;                  ///< wall time of writing files [s]
     std::map<std::string, double> figures; ///< what else is worth knowing, names with units
+    /** What a programme found out (q_max, a rupture), beside the entries above; names with units. */
+    std::map<std::string, std::variant<double, std::string>> findings;
   };
 
   /**

@@ -1,10 +1,10 @@
 #include "dem/laboratory.h"
 
+#include "dem/attempt_judgement.h"
 #include "dem/stage_path.h"
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 
 namespace dem
 {
@@ -14,9 +14,30 @@ namespace dem
     {
       ok,
       too_large,
-      no_equilibrium,
-      ruptured
+      given_up
     };
+
+    /** Equilibria that a mean stress may take to come back to its value: each leaves less than a half of the error
+     * while the grains still bear load, so that a tenth of these do. */
+    constexpr std::size_t correction_cap = 30;
+
+    double compute_largest_component(const Matrix &strain)
+    {
+      return strain.cwiseAbs().maxCoeff();
+    }
+
+    void add(const RestReport &report, RestReport &sum)
+    {
+      sum.status = report.status;
+      sum.n_cycles += report.n_cycles;
+      sum.duration += report.duration;
+      sum.unbalanced_ratio = report.unbalanced_ratio;
+      for (int m = 0; m < 6; ++m)
+        {
+          sum.largest_deviation[m] = std::max(sum.largest_deviation[m], report.largest_deviation[m]);
+          sum.smallest_deviation[m] = std::min(sum.smallest_deviation[m], report.smallest_deviation[m]);
+        }
+    }
 
     struct Step
     {
@@ -39,7 +60,9 @@ namespace dem
       {
         const RevState &state = rev_.get_committed();
         Matrix stress = 0.5 * (state.stress + state.stress.transpose());
-        if (before != nullptr)
+        if (before != nullptr && is_put_back(*before))
+          stress = position_.stress_at_start; // of the search: this stage starts where it did
+        else if (before != nullptr)
           {
             const CellControl control = compute_control(*before, position_, 1., state);
             for (int k = 0; k < 3; ++k)
@@ -52,6 +75,10 @@ namespace dem
         position_.n_cuts = 0;
         position_.stress_at_start = stress;
         position_.strain_at_start = compute_logarithmic_strain(state.cell.deformation);
+        if (stage_.kind == StageKind::strength_search)
+          position_.strength = position_.strain_at_strength = 0.;
+        if (is_put_back(stage_))
+          position_.before_search = state;
       }
 
       bool is_finished() const { return position_.share >= 1. && position_.time_in_stage >= stage_.duration; }
@@ -79,10 +106,8 @@ namespace dem
                 return LaboratoryOutcome::finished;
               }
             rev_.revert();
-            if (outcome == StepOutcome::ruptured)
-              return LaboratoryOutcome::ruptured;
-            if (!step.may_be_halved)
-              return LaboratoryOutcome::no_equilibrium;
+            if (outcome == StepOutcome::given_up)
+              return failure_;
             shorten();
           }
       }
@@ -137,6 +162,25 @@ namespace dem
             step.dt >= left * (1. - 1e-14) ? stage_.duration : position_.time_in_stage + step.dt + dynamic_time_;
         position_.share_step = std::min(nominal_, 2. * position_.share_step);
         position_.n_cuts = position_.n_cuts > 0 ? position_.n_cuts - 1 : 0;
+        if (stage_.kind == StageKind::strength_search)
+          follow_strength();
+      }
+
+      /** Keeps the largest q at rest, and ends the search once q has fallen far enough below it. */
+      void follow_strength()
+      {
+        const RevState &state = rev_.get_committed();
+        const double deviator = compute_deviator(state.stress);
+        if (deviator > position_.strength)
+          {
+            position_.strength = deviator;
+            position_.strain_at_strength = compute_logarithmic_strain(state.cell.deformation)(2, 2);
+          }
+        else if (deviator <= (1. - stage_.strength_drop) * position_.strength)
+          {
+            position_.share = 1.;
+            position_.time_in_stage = stage_.duration;
+          }
       }
 
       StepOutcome attempt(const Step &step, std::vector<Observation> &observations)
@@ -146,35 +190,79 @@ namespace dem
           age(step.dt, observations);
         for (std::size_t round = 0; round < rule_.round_cap; ++round)
           {
-            const RestReport report = rev_.control(compute_control(stage_, position_, step.share, rev_.get_baseline()));
+            const AttemptEnd end = equilibrate(step);
+            const RestReport &report = end.rest;
             position_.last_rest = report.status;
-            if (report.status != RestStatus::at_rest)
-              return step.may_be_halved ? StepOutcome::too_large : StepOutcome::no_equilibrium;
-            rev_.accept();
+            const LaboratoryOutcome judgement = judge_attempt(stage_, rule_, end);
+            if (judgement != LaboratoryOutcome::finished)
+              return step.may_be_halved ? StepOutcome::too_large : give_up(judgement, observations);
             dynamic_time_ += report.duration;
             record(is_held(stage_)
                        ? (stage_.kind == StageKind::relaxation ? ObservationKind::relaxed : ObservationKind::dynamic)
                        : ObservationKind::load,
-                   observations);
+                   observations, rev_.get_baseline());
             const std::size_t batch = compute_batch_limit(rev_.get_model().fracture, rev_.get_baseline().grains.size());
             if (rev_.count_overstressed() > batch && step.may_be_halved)
               return StepOutcome::too_large;
             if (rev_.split_overstressed() == 0)
               return StepOutcome::ok;
           }
-        return StepOutcome::ruptured;
+        position_.criterion = RuptureCriterion::endless_avalanche;
+        return give_up(LaboratoryOutcome::ruptured, observations);
+      }
+
+      /** One equilibrium: the cell as it is told, again until a mean stress that is held is what it must be. */
+      AttemptEnd equilibrate(const Step &step)
+      {
+        AttemptEnd end;
+        CellControl control;
+        for (std::size_t n = 0; n < correction_cap; ++n)
+          {
+            control = compute_control(stage_, position_, step.share, rev_.get_baseline());
+            add(rev_.control(control), end.rest);
+            if (end.rest.status != RestStatus::at_rest)
+              break;
+            rev_.accept();
+            if (is_mean_stress_held(stage_, position_, rev_.get_baseline(),
+                                    rev_.get_model().equilibrium.stress_tolerance))
+              break;
+            if (n + 1 == correction_cap)
+              end.rest.status = RestStatus::cap_reached;
+          }
+        const Matrix strain = compute_logarithmic_strain(rev_.get_trial().cell.deformation);
+        end.strain =
+            compute_largest_component(strain - compute_logarithmic_strain(rev_.get_committed().cell.deformation));
+        end.strain_of_stage = compute_largest_component(strain - position_.strain_at_start);
+        end.largest_target = compute_largest_component(control.target_stress);
+        return end;
+      }
+
+      StepOutcome give_up(const LaboratoryOutcome failure, std::vector<Observation> &observations)
+      {
+        failure_ = failure;
+        if (failure != LaboratoryOutcome::ruptured)
+          return StepOutcome::given_up;
+        const RestStatus rest = position_.last_rest;
+        if (position_.criterion == RuptureCriterion::none)
+          position_.criterion =
+              rest == RestStatus::at_rest ? RuptureCriterion::large_strain : RuptureCriterion::no_rest;
+        position_.rupture_time = rev_.get_trial().time;
+        // A cell that has become too narrow was left in the middle of a cycle: it has no stress to tell.
+        record(ObservationKind::rupture, observations,
+               rest == RestStatus::cell_too_narrow ? rev_.get_baseline() : rev_.get_trial());
+        return StepOutcome::given_up;
       }
 
       void age(const double dt, std::vector<Observation> &observations)
       {
-        record(ObservationKind::ageing, observations);
+        record(ObservationKind::ageing, observations, rev_.get_baseline());
         observations.back().time += dt;
         rev_.age(dt);
       }
 
-      void record(const ObservationKind kind, std::vector<Observation> &observations) const
+      void record(const ObservationKind kind, std::vector<Observation> &observations, const RevState &state) const
       {
-        Observation observation = observe(rev_.get_baseline(), rev_.get_model());
+        Observation observation = observe(state, rev_.get_model());
         observation.stage = position_.stage;
         observation.kind = kind;
         observations.push_back(observation);
@@ -186,6 +274,7 @@ namespace dem
       LaboratoryPosition &position_;
       const double nominal_;
       double dynamic_time_ = 0.; // of the present attempt [s]
+      LaboratoryOutcome failure_ = LaboratoryOutcome::no_equilibrium;
     };
 
     /** One stage from where it stands to its end. */
@@ -196,11 +285,12 @@ namespace dem
       while (!runner.is_finished())
         {
           const LaboratoryOutcome outcome = runner.advance(observations);
-          if (outcome != LaboratoryOutcome::finished)
-            return outcome;
-          if (observer.observe)
+          const bool is_told = outcome == LaboratoryOutcome::finished || outcome == LaboratoryOutcome::ruptured;
+          if (is_told && observer.observe)
             for (const Observation &observation : observations)
               observer.observe(observation);
+          if (outcome != LaboratoryOutcome::finished)
+            return outcome;
           const double fraction =
               (static_cast<double>(position.stage) + runner.compute_fraction()) / static_cast<double>(n_stages);
           if (observer.committed && observer.committed(position, fraction))
@@ -227,6 +317,11 @@ namespace dem
           return outcome;
         if (observer.stage_edge)
           observer.stage_edge(position.stage, true);
+        if (position.before_search)
+          {
+            rev = Rev(rev.get_model(), *position.before_search);
+            position.before_search.reset();
+          }
       }
     return LaboratoryOutcome::finished;
   }
@@ -248,47 +343,6 @@ namespace dem
     return observation;
   }
 
-  void check_programme(const std::vector<LaboratoryStage> &stages)
-  {
-    if (stages.empty())
-      throw std::invalid_argument("the programme has no stage");
-    for (std::size_t i = 0; i < stages.size(); ++i)
-      {
-        const LaboratoryStage &stage = stages[i];
-        const auto require = [&](const bool is_met, const std::string &what) {
-          if (!is_met)
-            throw std::invalid_argument("stage " + std::to_string(i + 1) + " (" + stage.name + "): " + what);
-        };
-        if (is_held(stage))
-          {
-            require(stage.duration > 0., "a stage that holds its load needs a duration above 0 s");
-            require(i > 0, "a stage that holds its load needs a loading stage before it");
-            require(stage.first_output > 0. && stage.first_output <= stage.duration,
-                    "the first output must lie between 0 s and the duration");
-          }
-        if (stage.kind == StageKind::isotropic || stage.kind == StageKind::oedometric)
-          require(stage.stress > 0., "the stress at its end must be above 0 Pa (compression-positive)");
-        if (stage.kind == StageKind::triaxial)
-          require(stage.axial_strain != 0., "the axial strain at its end must not be 0");
-      }
-  }
-
-  const char *describe(const LaboratoryOutcome outcome)
-  {
-    switch (outcome)
-      {
-      case LaboratoryOutcome::finished:
-        return "finished";
-      case LaboratoryOutcome::no_equilibrium:
-        return "no equilibrium at the smallest step";
-      case LaboratoryOutcome::ruptured:
-        return "ruptured: an avalanche of fractures did not end";
-      case LaboratoryOutcome::stopped:
-        return "stopped";
-      }
-    return "unknown";
-  }
-
   const char *describe(const ObservationKind kind)
   {
     switch (kind)
@@ -301,6 +355,8 @@ namespace dem
         return "ageing";
       case ObservationKind::relaxed:
         return "relaxed";
+      case ObservationKind::rupture:
+        return "rupture";
       }
     return "unknown";
   }

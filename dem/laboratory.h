@@ -3,6 +3,7 @@
 #include "dem/rev.h"
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,12 +12,14 @@ namespace dem
   /** What a stage does to the REV. Stresses that are not named are not controlled: the strain is held. */
   enum class StageKind
   {
-    isotropic,  ///< three equal normal stresses to a pressure
-    oedometric, ///< axial stress to a value, no lateral strain
-    triaxial,   ///< axial strain to a value, lateral stresses held
-    creep,      ///< stresses held for a duration
-    relaxation, ///< strain held for a duration
-    strain_path ///< six strains to values
+    isotropic,       ///< three equal normal stresses to a pressure
+    oedometric,      ///< axial stress or strain to a value, no lateral strain
+    triaxial,        ///< axial strain or deviatoric stress to a value, lateral stresses held
+    constant_p,      ///< the same with the mean stress held
+    strength_search, ///< axial strain at held lateral stress until the deviatoric stress has passed its maximum
+    creep,           ///< stresses held for a duration
+    relaxation,      ///< strain held for a duration
+    strain_path      ///< six strains to values
   };
 
   /** Which stresses a creep stage holds. */
@@ -30,8 +33,13 @@ namespace dem
   {
     std::string name;
     StageKind kind = StageKind::isotropic;
-    double stress = 0.;             ///< pressure or axial stress at the end [Pa], compression-positive
-    double axial_strain = 0.;       ///< triaxial: at the end, logarithmic [-], compression-positive
+    double stress = 0.;             ///< pressure or axial stress at the end [Pa], compression-positive; 0: not given
+    double axial_strain = 0.;       ///< at the end, logarithmic [-], compression-positive; 0: not given
+    double deviatoric_stress = 0.;  ///< triaxial, constant p: q at the end [Pa]; 0: not given
+    double strength_share = 0.;     ///< or q at the end over q_max [-]; 0: not given
+    double strength = 0.;           ///< q_max for that [Pa]; 0: that of the search before
+    double strength_drop = 0.25;    ///< search: share of its maximum by which q has fallen at the end [-]
+    bool goes_back = true;          ///< search: the REV is put back to where the search began
     Matrix strain = Matrix::Zero(); ///< strain path: at the end, logarithmic [-], compression-positive
     HeldStress held = HeldStress::axial;
     double duration = 0.;               ///< [s]; 0: a load without time
@@ -46,7 +54,17 @@ namespace dem
     load,
     dynamic,
     ageing,
-    relaxed
+    relaxed,
+    rupture ///< where a rupture was given up, at rest or not
+  };
+
+  /** By which a rupture under held stress is known (docs/theory.md, section 6.3). */
+  enum class RuptureCriterion
+  {
+    none,
+    endless_avalanche, ///< an avalanche did not end within its rounds
+    no_rest,           ///< strained without coming to rest
+    large_strain       ///< came to rest, but not before a strain that is no creep
   };
 
   /** One equilibrium, or the end of a jump. In the program's sign: tension-positive. */
@@ -70,24 +88,36 @@ namespace dem
     double time_in_stage = 0.; ///< [s]
     unsigned int n_cuts = 0;   ///< of the next batch
     Matrix stress_at_start = Matrix::Zero(), strain_at_start = Matrix::Zero();
-    RestStatus last_rest = RestStatus::at_rest; ///< of the last attempt: says why there was no equilibrium
+    double strength = 0.;                  ///< q_max of the last search, so far [Pa]; 0: none
+    double strain_at_strength = 0.;        ///< axial strain there, tension-positive [-]
+    std::optional<RevState> before_search; ///< where a search that is under way goes back to
+
+    // How the last attempt ended; a resumed run finds out anew.
+    RestStatus last_rest = RestStatus::at_rest; ///< says why there was no equilibrium
+    RuptureCriterion criterion = RuptureCriterion::none;
+    double rupture_time = 0.; ///< [s]
   };
 
   struct LaboratoryRule
   {
     double smallest_share = 1. / 64.; ///< of an increment, below which it is not halved again
     std::size_t round_cap = 200;      ///< equilibria of one avalanche, beyond which it is a rupture
+    double flow_strain = 0.05;        ///< of one dynamic computation, above which the REV flows [-]
+    double largest_strain = 0.7;      ///< of a stage that goes to a stress, above which it is not reached [-]
+    double unstable_swing = 0.1;      ///< of a controlled stress to both sides, over its target: the servo's doing [-]
   };
 
   enum class LaboratoryOutcome
   {
     finished,
     no_equilibrium, ///< the smallest step found none
-    ruptured,       ///< an avalanche did not end
+    ruptured,       ///< an avalanche did not end, or a REV under held stress flowed
+    not_reached,    ///< the REV flows or has strained too far below the stress that is asked for
+    collapsed,      ///< the cell has become too narrow for its grains
+    servo_unstable, ///< a controlled stress swings about its target
     stopped         ///< the observer asked for it
   };
 
-  const char *describe(LaboratoryOutcome outcome);
   const char *describe(ObservationKind kind);
 
   struct LaboratoryObserver
@@ -106,9 +136,6 @@ namespace dem
    */
   LaboratoryOutcome run_programme(Rev &rev, const std::vector<LaboratoryStage> &stages, const LaboratoryRule &rule,
                                   const LaboratoryObserver &observer, LaboratoryPosition &position);
-
-  /** Throws std::invalid_argument naming the stage and what contradicts itself (a creep without duration, ...). */
-  void check_programme(const std::vector<LaboratoryStage> &stages);
 
   Observation observe(const RevState &state, const RevModel &model);
 } // namespace dem

@@ -44,15 +44,52 @@ namespace dem
           hold(control, k, position.stress_at_start(k, k));
     }
 
-    void add_triaxial(const LaboratoryStage &stage, const LaboratoryPosition &position, const double share,
-                      const RevState &baseline, CellControl &control)
+    void strain_axially(const LaboratoryStage &stage, const LaboratoryPosition &position, const double share,
+                        const RevState &baseline, CellControl &control)
     {
-      const double lateral = 0.5 * (position.stress_at_start(0, 0) + position.stress_at_start(1, 1));
-      hold(control, 0, lateral);
-      hold(control, 1, lateral);
       const double start = position.strain_at_start(2, 2);
       const double target = start + share * (-stage.axial_strain - start);
       control.stretch(2, 2) = std::exp(target - compute_logarithmic_strain(baseline.cell.deformation)(2, 2));
+    }
+
+    void hold_laterally(CellControl &control, const double stress)
+    {
+      hold(control, 0, stress);
+      hold(control, 1, stress);
+    }
+
+    /** q at a share of the way, in equal steps: it begins near zero, where equal factors have no meaning. */
+    double compute_deviator_on_the_way(const LaboratoryStage &stage, const LaboratoryPosition &position,
+                                       const double share)
+    {
+      const double start = compute_deviator(position.stress_at_start);
+      return start + share * (compute_target_deviator(stage, position) - start);
+    }
+
+    void add_triaxial(const LaboratoryStage &stage, const LaboratoryPosition &position, const double share,
+                      const RevState &baseline, CellControl &control)
+    {
+      const double lateral = compute_lateral_stress(position.stress_at_start);
+      hold_laterally(control, lateral);
+      if (is_to_deviator(stage))
+        hold(control, 2, lateral - compute_deviator_on_the_way(stage, position, share));
+      else
+        strain_axially(stage, position, share, baseline, control);
+    }
+
+    void add_constant_p(const LaboratoryStage &stage, const LaboratoryPosition &position, const double share,
+                        const RevState &baseline, CellControl &control)
+    {
+      const double mean = position.stress_at_start.trace() / 3.;
+      if (is_to_deviator(stage))
+        {
+          const double deviator = compute_deviator_on_the_way(stage, position, share);
+          hold_laterally(control, mean + deviator / 3.);
+          return hold(control, 2, mean - 2. * deviator / 3.);
+        }
+      // Exact where axial and lateral stress stay in proportion; what is left shrinks from one correction to the next.
+      hold_laterally(control, compute_lateral_stress(baseline.stress) * mean / (baseline.stress.trace() / 3.));
+      strain_axially(stage, position, share, baseline, control);
     }
   } // namespace
 
@@ -67,10 +104,17 @@ namespace dem
           hold(control, k, interpolate(position.stress_at_start(k, k), -stage.stress, share, stage.is_geometric));
         break;
       case StageKind::oedometric:
-        hold(control, 2, interpolate(position.stress_at_start(2, 2), -stage.stress, share, stage.is_geometric));
+        if (stage.stress == 0.)
+          strain_axially(stage, position, share, baseline, control);
+        else
+          hold(control, 2, interpolate(position.stress_at_start(2, 2), -stage.stress, share, stage.is_geometric));
         break;
       case StageKind::triaxial:
+      case StageKind::strength_search:
         add_triaxial(stage, position, share, baseline, control);
+        break;
+      case StageKind::constant_p:
+        add_constant_p(stage, position, share, baseline, control);
         break;
       case StageKind::creep:
         add_creep(stage, position, control);
@@ -98,6 +142,48 @@ namespace dem
         next = std::min(next, stage.first_output * std::pow(10., std::max(0., k) / stage.points_per_decade));
       }
     return next - time_in_stage;
+  }
+
+  bool is_put_back(const LaboratoryStage &stage)
+  {
+    return stage.kind == StageKind::strength_search && stage.goes_back;
+  }
+
+  double compute_lateral_stress(const Matrix &stress)
+  {
+    return 0.5 * (stress(0, 0) + stress(1, 1));
+  }
+
+  double compute_deviator(const Matrix &stress)
+  {
+    return compute_lateral_stress(stress) - stress(2, 2);
+  }
+
+  double compute_target_deviator(const LaboratoryStage &stage, const LaboratoryPosition &position)
+  {
+    if (stage.strength_share == 0.)
+      return stage.deviatoric_stress;
+    return stage.strength_share * (stage.strength > 0. ? stage.strength : position.strength);
+  }
+
+  bool is_to_deviator(const LaboratoryStage &stage)
+  {
+    return (stage.kind == StageKind::triaxial || stage.kind == StageKind::constant_p) && stage.axial_strain == 0.;
+  }
+
+  bool is_to_stress(const LaboratoryStage &stage)
+  {
+    return stage.kind == StageKind::isotropic || (stage.kind == StageKind::oedometric && stage.stress != 0.) ||
+           is_to_deviator(stage);
+  }
+
+  bool is_mean_stress_held(const LaboratoryStage &stage, const LaboratoryPosition &position, const RevState &state,
+                           const double tolerance)
+  {
+    if (stage.kind != StageKind::constant_p || is_to_deviator(stage))
+      return true;
+    const double mean = position.stress_at_start.trace();
+    return std::abs(state.stress.trace() - mean) <= tolerance * std::abs(mean);
   }
 
   bool is_held(const LaboratoryStage &stage)

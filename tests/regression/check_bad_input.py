@@ -132,7 +132,22 @@ class BadInput(unittest.TestCase):
 
     def test_stages_that_contradict_themselves(self):
         self.change_case("set Duration = 100", "set Duration = 0")
-        self.expect_refusal(self.run_program(self.case, "--check"), "tage 2", "duration")
+        self.expect_refusal(self.run_program(self.case, "--check"), "case.prm", f"line {self.line_of('Duration')}",
+                            "Stage 2/Duration", "'0'", "above 0 s")
+
+    def test_stage_with_two_targets(self):
+        self.change_case("set Stress = 1e6", "set Stress = 1e6\n  set Axial strain = 0.1")
+        self.expect_refusal(self.run_program(self.case, "--check"), f"line {self.line_of('Axial strain')}",
+                            "Stage 1/Axial strain", "'0.1'", "Stress is given already")
+
+    def test_share_of_a_strength_that_nobody_knows(self):
+        self.change_case("set Kind = creep\n  set Duration = 100", "set Kind = triaxial\n  set Share of q_max = 0.9")
+        self.expect_refusal(self.run_program(self.case, "--check"), "case.prm", "Stage 2/q_max", "above 0 Pa",
+                            "searches for it")
+
+    def test_strength_search_without_a_drop(self):
+        self.change_case("set Duration = 100", "set Drop below q_max = 1")
+        self.expect_refusal(self.run_program(self.case), f"line {self.line_of('Drop')}", "'1'", "> 0 and < 1")
 
     def test_boundary_value_problem_with_unknown_parameter(self):
         self.expect_refusal(self.run_program(self.case, "--check", program="slowsand-bvp"), "case.prm")

@@ -1,6 +1,6 @@
 // A laboratory programme as a whole: what is refused before it starts, and what a resumed one repeats.
 
-#include "dem/laboratory.h"
+#include "dem/programme_check.h"
 
 #include "tests/support/rev_cases.h"
 
@@ -131,37 +131,86 @@ namespace
     EXPECT_EQ(record.edges, whole.edges);
   }
 
+  struct Complaint
+  {
+    std::string message, quantity;
+  };
+
+  Complaint complain(const std::vector<LaboratoryStage> &stages)
+  {
+    try
+      {
+        check_programme(stages);
+      }
+    catch (const StageContradiction &contradiction)
+      {
+        return {contradiction.what(), contradiction.quantity};
+      }
+    catch (const std::invalid_argument &error)
+      {
+        return {error.what(), ""};
+      }
+    return {};
+  }
+
   TEST(Programme, WhatContradictsItselfIsRefusedByStage)
   {
-    // Law: one message that names the stage and what is wrong with it; a sound programme passes.
-    const auto complain = [](const std::vector<LaboratoryStage> &stages) -> std::string {
-      try
-        {
-          check_programme(stages);
-        }
-      catch (const std::invalid_argument &error)
-        {
-          return error.what();
-        }
-      return "";
-    };
-    EXPECT_EQ(complain(make_programme()), "");
-    EXPECT_NE(complain({}).find("no stage"), std::string::npos);
-    const auto expect = [&](const std::size_t stage, const std::string &what, const auto &spoil) {
+    // Law: one message that names the stage, its quantity and what is wrong with it; a sound programme passes.
+    EXPECT_EQ(complain(make_programme()).message, "");
+    EXPECT_NE(complain({}).message.find("no stage"), std::string::npos);
+    const auto expect = [&](const std::size_t stage, const std::string &quantity, const std::string &what,
+                            const auto &spoil) {
       auto stages = make_programme();
       spoil(stages[stage]);
-      const std::string message = complain(stages);
-      EXPECT_EQ(message.rfind("stage " + std::to_string(stage + 1) + " (test): ", 0), 0u) << message;
-      EXPECT_NE(message.find(what), std::string::npos) << message;
+      const Complaint complaint = complain(stages);
+      EXPECT_EQ(complaint.message.rfind("stage " + std::to_string(stage + 1) + " (test): ", 0), 0u)
+          << complaint.message;
+      EXPECT_NE(complaint.message.find(what), std::string::npos) << complaint.message;
+      EXPECT_EQ(complaint.quantity, quantity) << complaint.message;
     };
-    expect(1, "duration", [](LaboratoryStage &stage) { stage.duration = 0.; });
-    expect(2, "duration", [](LaboratoryStage &stage) { stage.duration = std::nan(""); });
-    expect(1, "first output", [](LaboratoryStage &stage) { stage.first_output = 2e3; });
-    expect(1, "first output", [](LaboratoryStage &stage) { stage.first_output = 0.; });
-    expect(0, "stress", [](LaboratoryStage &stage) { stage.stress = -1e6; });
-    expect(0, "stress", [](LaboratoryStage &stage) { stage.kind = StageKind::isotropic, stage.stress = 0.; });
-    expect(0, "loading stage before", [](LaboratoryStage &stage) { stage.kind = StageKind::creep; });
-    expect(0, "axial strain", [](LaboratoryStage &stage) { stage.kind = StageKind::triaxial; });
+    expect(1, "Duration", "duration", [](LaboratoryStage &stage) { stage.duration = 0.; });
+    expect(2, "Duration", "duration", [](LaboratoryStage &stage) { stage.duration = std::nan(""); });
+    expect(1, "First output", "first output", [](LaboratoryStage &stage) { stage.first_output = 2e3; });
+    expect(1, "First output", "first output", [](LaboratoryStage &stage) { stage.first_output = 0.; });
+    expect(1, "Stress", "no target", [](LaboratoryStage &stage) { stage.stress = 1e6; });
+    expect(0, "Stress", "above 0 Pa", [](LaboratoryStage &stage) { stage.stress = -1e6; });
+    expect(0, "Stress", "one of: Stress, Axial strain", [](LaboratoryStage &stage) { stage.stress = 0.; });
+    expect(0, "Axial strain", "one target", [](LaboratoryStage &stage) { stage.axial_strain = 0.01; });
+    expect(0, "Kind", "loading stage before",
+           [](LaboratoryStage &stage) { stage.kind = StageKind::creep, stage.stress = 0.; });
+    const auto turn_into = [](LaboratoryStage &stage, const StageKind kind) {
+      stage.kind = kind;
+      stage.stress = 0.;
+    };
+    expect(0, "Axial strain", "Deviatoric stress, Share of q_max",
+           [&](LaboratoryStage &stage) { turn_into(stage, StageKind::triaxial); });
+    expect(2, "q_max", "searches for it",
+           [&](LaboratoryStage &stage) { turn_into(stage, StageKind::triaxial), stage.strength_share = 0.5; });
+    expect(2, "q_max", "Share of q_max alone", [&](LaboratoryStage &stage) {
+      turn_into(stage, StageKind::triaxial), stage.axial_strain = 0.1, stage.strength = 1e6;
+    });
+    expect(2, "Axial strain", "compresses",
+           [&](LaboratoryStage &stage) { turn_into(stage, StageKind::strength_search), stage.axial_strain = -0.1; });
+    expect(2, "Drop below q_max", "between 0 and 1", [&](LaboratoryStage &stage) {
+      turn_into(stage, StageKind::strength_search), stage.axial_strain = 0.1, stage.strength_drop = 1.;
+    });
+    expect(0, "Kind", "brings p about",
+           [&](LaboratoryStage &stage) { turn_into(stage, StageKind::constant_p), stage.axial_strain = 0.1; });
+  }
+
+  TEST(Programme, AConstantMeanStressBearsThreeTimesItselfAsDeviator)
+  {
+    // Law: at constant p the lateral stress p - q/3 must not be tension, nor the axial p + 2q/3.
+    auto stages = make_programme();
+    stages[0].kind = StageKind::isotropic;
+    stages[1] = stages[0];
+    stages[1].kind = StageKind::constant_p;
+    stages[1].stress = 0.;
+    for (const double deviator : {26.9e6, -13.4e6, 27.1e6, -13.6e6})
+      {
+        stages[1].deviatoric_stress = deviator;
+        EXPECT_EQ(complain(stages).quantity, deviator < 27e6 && deviator > -13.5e6 ? "" : "Deviatoric stress");
+      }
   }
 
   TEST(Programme, ObservationsAreThoseOfTheState)

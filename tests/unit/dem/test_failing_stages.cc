@@ -1,0 +1,160 @@
+// Stages that cannot be finished: a creep that ruptures, a stress that is not reached, a servo that is too quick.
+
+#include "dem/attempt_judgement.h"
+#include "dem/laboratory.h"
+#include "dem/stage_path.h"
+
+#include "tests/support/rev_cases.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+namespace
+{
+  using namespace dem;
+  using namespace dem::cases;
+
+  constexpr double pressure = 2e6; // [Pa]
+
+  LaboratoryStage make_stage(const StageKind kind)
+  {
+    LaboratoryStage stage;
+    stage.name = "test";
+    stage.kind = kind;
+    stage.n_increments = 6;
+    return stage;
+  }
+
+  LaboratoryStage make_isotropic(const double stress = pressure)
+  {
+    LaboratoryStage stage = make_stage(StageKind::isotropic);
+    stage.stress = stress;
+    return stage;
+  }
+
+  struct ProgrammeRun
+  {
+    LaboratoryOutcome outcome = LaboratoryOutcome::finished;
+    LaboratoryPosition position;
+    std::vector<Observation> observations;
+  };
+
+  ProgrammeRun run(Rev &rev, const std::vector<LaboratoryStage> &stages, const LaboratoryPosition &position = {})
+  {
+    ProgrammeRun result;
+    result.position = position;
+    LaboratoryObserver observer;
+    observer.observe = [&](const Observation &observation) { result.observations.push_back(observation); };
+    result.outcome = run_programme(rev, stages, LaboratoryRule{}, observer, result.position);
+    return result;
+  }
+
+  TEST(FailingStages, ACreepAboveTheStrengthRupturesAndIsNamedWithItsTime)
+  {
+    // Law: sheared by strain to its strength and then held at that q while grains break, a REV flows: the programme
+    // ends ruptured, with time and criterion, the last state at rest kept; gone on with, it ruptures again, with the
+    // same rows.
+    RevModel model;
+    model.fracture.strength.reference_strength = 1.8e9; // breaks grains at 8 MPa
+    Rev rev = make_rev(model, get_packing().state);
+    LaboratoryStage shear = make_stage(StageKind::triaxial), creep = make_stage(StageKind::creep);
+    shear.axial_strain = 0.15;
+    shear.n_increments = 30;
+    creep.held = HeldStress::all_normal;
+    creep.duration = 1e12;
+    creep.points_per_decade = 1;
+    const std::vector<LaboratoryStage> stages = {make_isotropic(8e6), shear, creep};
+    const ProgrammeRun first = run(rev, stages);
+    ASSERT_EQ(first.outcome, LaboratoryOutcome::ruptured) << describe(first.outcome);
+    EXPECT_NE(first.position.criterion, RuptureCriterion::none);
+    const Observation &last = first.observations.back();
+    EXPECT_EQ(last.kind, ObservationKind::rupture);
+    EXPECT_EQ(last.time, first.position.rupture_time);
+    EXPECT_GT(first.position.rupture_time, 0.);
+    EXPECT_LT(first.position.rupture_time, 1e12);
+    EXPECT_TRUE(are_equal_bits(rev.get_baseline(), rev.get_committed()));
+    EXPECT_LT(rev.get_committed().unbalanced_ratio, 1e-4);
+
+    const ProgrammeRun again = run(rev, stages, first.position);
+    EXPECT_EQ(again.outcome, LaboratoryOutcome::ruptured);
+    EXPECT_EQ(again.position.rupture_time, first.position.rupture_time);
+    ASSERT_LE(again.observations.size(), first.observations.size());
+    EXPECT_EQ(again.observations.back().strain, last.strain);
+  }
+
+  TEST(FailingStages, AStressAboveTheStrengthIsNotReached)
+  {
+    // Law: asked for a q far above what it bears, a REV that breaks no grain flows, and the stage says so.
+    RevModel model;
+    model.fracture.is_active = false;
+    Rev rev = make_rev(model, get_packing().state);
+    LaboratoryStage stage = make_stage(StageKind::triaxial);
+    stage.deviatoric_stress = 20. * pressure;
+    const ProgrammeRun result = run(rev, {make_isotropic(), stage});
+    EXPECT_EQ(result.outcome, LaboratoryOutcome::not_reached) << describe(result.outcome);
+    EXPECT_TRUE(are_equal_bits(rev.get_baseline(), rev.get_committed()));
+    EXPECT_LT(rev.get_committed().unbalanced_ratio, 1e-4);
+  }
+
+  TEST(FailingStages, ACellTooNarrowForItsGrainsIsACollapse)
+  {
+    // Law: strained until two largest diameters no longer fit, the sample has collapsed.
+    RevModel model;
+    model.fracture.is_active = false;
+    Rev rev = make_rev(model, get_packing().state);
+    LaboratoryStage stage = make_stage(StageKind::strain_path);
+    stage.strain(2, 2) = 1.; // to 37 % of its height: from four diameters to less than two
+    stage.strain(0, 0) = stage.strain(1, 1) = -0.45;
+    const ProgrammeRun result = run(rev, {stage});
+    EXPECT_EQ(result.outcome, LaboratoryOutcome::collapsed) << describe(result.outcome);
+  }
+
+  TEST(FailingStages, AServoThatIsTooQuickIsNamed)
+  {
+    // Law: with a gain fifty times the default the stress swings about its target and the cycles run out: the servo is
+    // unstable, not the sand.
+    RevModel model;
+    model.fracture.is_active = false;
+    model.equilibrium.servo_gain = 3.;
+    model.equilibrium.strain_per_cycle = 1e-3; // so that the bound on strain does not tame it
+    model.equilibrium.cycle_cap = 3000;
+    Rev rev = make_rev(model, get_packing().state);
+    const ProgrammeRun result = run(rev, {make_isotropic()});
+    EXPECT_EQ(result.outcome, LaboratoryOutcome::servo_unstable) << describe(result.outcome);
+  }
+
+  TEST(FailingStages, EndsAreJudgedByWhatTheyAre)
+  {
+    // Law: section 6.3's table, one row each.
+    const LaboratoryRule rule;
+    LaboratoryStage creep = make_stage(StageKind::creep), path = make_stage(StageKind::strain_path);
+    AttemptEnd end;
+    end.largest_target = 10e6;
+    const auto judge = [&](const LaboratoryStage &stage) { return judge_attempt(stage, rule, end); };
+    EXPECT_EQ(judge(creep), LaboratoryOutcome::finished);
+    end.strain = end.strain_of_stage = 0.051; // above the flow strain of 0.05
+    EXPECT_EQ(judge(creep), LaboratoryOutcome::ruptured);
+    EXPECT_EQ(judge(make_isotropic()), LaboratoryOutcome::finished); // a load may strain as it comes to rest
+    EXPECT_EQ(judge(path), LaboratoryOutcome::finished);
+    end.rest.status = RestStatus::cap_reached;
+    EXPECT_EQ(judge(creep), LaboratoryOutcome::ruptured);
+    EXPECT_EQ(judge(make_isotropic()), LaboratoryOutcome::not_reached);
+    EXPECT_EQ(judge(path), LaboratoryOutcome::no_equilibrium);
+    end.rest.largest_deviation[2] = 1.1e6; // to one side
+    EXPECT_EQ(judge(creep), LaboratoryOutcome::ruptured);
+    end.rest.smallest_deviation[2] = -1.1e6; // and the other
+    EXPECT_EQ(judge(creep), LaboratoryOutcome::servo_unstable);
+    end.rest = RestReport{};
+    end.rest.status = RestStatus::cell_too_narrow;
+    EXPECT_EQ(judge(path), LaboratoryOutcome::collapsed);
+    end.strain = 1e-3;
+    EXPECT_EQ(judge(creep), LaboratoryOutcome::collapsed);
+    end.rest.status = RestStatus::not_finite;
+    EXPECT_EQ(judge(creep), LaboratoryOutcome::no_equilibrium);
+    end.rest.status = RestStatus::at_rest;
+    end.strain_of_stage = 0.71; // above the largest strain of 0.7
+    EXPECT_EQ(judge(make_isotropic()), LaboratoryOutcome::not_reached);
+    EXPECT_EQ(judge(creep), LaboratoryOutcome::finished); // creep may go far, bit by bit
+  }
+} // namespace
