@@ -103,7 +103,7 @@ namespace dem
     double smallest_share = 1. / 64.; ///< of an increment, below which it is not halved again
     std::size_t round_cap = 200;      ///< equilibria of one avalanche, beyond which it is a rupture
     double flow_strain = 0.05;        ///< of one dynamic computation, above which the REV flows [-]
-    double largest_strain = 0.7;      ///< of a stage that goes to a stress, above which it is not reached [-]
+    double largest_strain = 0.5;      ///< of a stage that goes to a stress, above which it is not reached [-]
     double unstable_swing = 0.1;      ///< of a controlled stress to both sides, over its target: the servo's doing [-]
   };
 

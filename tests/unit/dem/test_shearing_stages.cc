@@ -51,15 +51,6 @@ namespace
     return stage;
   }
 
-  LaboratoryStage make_triaxial_creep(const double duration)
-  {
-    LaboratoryStage stage = make_stage(StageKind::creep);
-    stage.held = HeldStress::all_normal;
-    stage.duration = duration;
-    stage.points_per_decade = 1;
-    return stage;
-  }
-
   struct ProgrammeRun
   {
     LaboratoryOutcome outcome = LaboratoryOutcome::finished;
@@ -178,7 +169,7 @@ namespace
   TEST(ShearingStages, ASearchFindsTheLargestDeviatoricStressAndEndsBelowIt)
   {
     // Law: q_max is the largest q of a committed equilibrium, its strain that equilibrium's; the search ends at the
-    // first one that lies 10 % lower, or at its largest strain.
+    // first one that lies 25 % lower, or at its largest strain.
     const ProgrammeRun &run = get_search();
     ASSERT_EQ(run.outcome, LaboratoryOutcome::finished);
     const Observation &last = run.observations.back();
@@ -194,7 +185,7 @@ namespace
     EXPECT_GT(run.position.strength, pressure);
     EXPECT_LE(strain, -1e-3);
     const bool is_at_limit = std::abs(last.strain(2, 2) + 0.3) < 1e-12;
-    EXPECT_TRUE(is_at_limit || compute_deviator(last.stress) <= 0.9 * run.position.strength);
+    EXPECT_TRUE(is_at_limit || compute_deviator(last.stress) <= 0.75 * run.position.strength);
   }
 
   TEST(ShearingStages, ASearchPutsTheRevBackToItsBits)
