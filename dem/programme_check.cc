@@ -79,8 +79,8 @@ namespace dem
             require(given.empty(), quantity, given + " is given already: a stage has one target");
             given = quantity;
           }
-        require(allowed.empty() || !given.empty(), allowed.substr(0, allowed.find(',')),
-                "needs a target other than 0, one of: " + allowed);
+        require(allowed.empty() || !given.empty(), "Kind",
+                "a stage of this kind needs a target other than 0, one of: " + allowed);
       }
 
       void check_search() const
@@ -101,7 +101,7 @@ namespace dem
         const bool is_searched = std::any_of(stages_.begin(), end, [](const LaboratoryStage &stage) {
           return stage.kind == StageKind::strength_search;
         });
-        require(stage_.strength > 0. || is_searched, "q_max",
+        require(stage_.strength > 0. || is_searched, "Share of q_max",
                 "a share of q_max needs its value above 0 Pa, or a stage before that searches for it");
       }
 

@@ -142,8 +142,13 @@ class BadInput(unittest.TestCase):
 
     def test_share_of_a_strength_that_nobody_knows(self):
         self.change_case("set Kind = creep\n  set Duration = 100", "set Kind = triaxial\n  set Share of q_max = 0.9")
-        self.expect_refusal(self.run_program(self.case, "--check"), "case.prm", "Stage 2/q_max", "above 0 Pa",
-                            "searches for it")
+        self.expect_refusal(self.run_program(self.case, "--check"), f"line {self.line_of('Share')}",
+                            "Stage 2/Share of q_max", "'0.9'", "searches for it")
+
+    def test_load_without_a_target(self):
+        self.change_case("  set Stress = 1e6\n", "")
+        self.expect_refusal(self.run_program(self.case, "--check"), f"line {self.line_of('oedometric')}",
+                            "Stage 1/Kind", "one of: Stress, Axial strain")
 
     def test_strength_search_without_a_drop(self):
         self.change_case("set Duration = 100", "set Drop below q_max = 1")

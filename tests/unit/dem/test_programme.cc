@@ -174,7 +174,7 @@ namespace
     expect(1, "First output", "first output", [](LaboratoryStage &stage) { stage.first_output = 0.; });
     expect(1, "Stress", "no target", [](LaboratoryStage &stage) { stage.stress = 1e6; });
     expect(0, "Stress", "above 0 Pa", [](LaboratoryStage &stage) { stage.stress = -1e6; });
-    expect(0, "Stress", "one of: Stress, Axial strain", [](LaboratoryStage &stage) { stage.stress = 0.; });
+    expect(0, "Kind", "one of: Stress, Axial strain", [](LaboratoryStage &stage) { stage.stress = 0.; });
     expect(0, "Axial strain", "one target", [](LaboratoryStage &stage) { stage.axial_strain = 0.01; });
     expect(0, "Kind", "loading stage before",
            [](LaboratoryStage &stage) { stage.kind = StageKind::creep, stage.stress = 0.; });
@@ -182,9 +182,9 @@ namespace
       stage.kind = kind;
       stage.stress = 0.;
     };
-    expect(0, "Axial strain", "Deviatoric stress, Share of q_max",
+    expect(0, "Kind", "Deviatoric stress, Share of q_max",
            [&](LaboratoryStage &stage) { turn_into(stage, StageKind::triaxial); });
-    expect(2, "q_max", "searches for it",
+    expect(2, "Share of q_max", "searches for it",
            [&](LaboratoryStage &stage) { turn_into(stage, StageKind::triaxial), stage.strength_share = 0.5; });
     expect(2, "q_max", "Share of q_max alone", [&](LaboratoryStage &stage) {
       turn_into(stage, StageKind::triaxial), stage.axial_strain = 0.1, stage.strength = 1e6;
