@@ -12,11 +12,6 @@ namespace dem
 {
   namespace
   {
-    double compute_volume(double diameter)
-    {
-      return std::numbers::pi / 6. * diameter * diameter * diameter;
-    }
-
     [[noreturn]] void refuse_point(const Grading &grading, std::size_t i, const std::string &why)
     {
       throw std::invalid_argument("grading point " + std::to_string(i + 1) + " (diameter " +
@@ -57,7 +52,7 @@ namespace dem
         volume_up_to.reserve(diameters.size() + 1);
         volume_up_to.push_back(0.);
         for (const double diameter : diameters)
-          volume_up_to.push_back(volume_up_to.back() + compute_volume(diameter));
+          volume_up_to.push_back(volume_up_to.back() + compute_grain_volume(diameter));
         total = volume_up_to.back() + mass.fines;
       }
 
@@ -66,6 +61,11 @@ namespace dem
       double total = 0.;                ///< grains and fines [m3]
     };
   } // namespace
+
+  double compute_grain_volume(const double diameter)
+  {
+    return std::numbers::pi / 6. * diameter * diameter * diameter;
+  }
 
   Grading make_ne34_grading()
   {

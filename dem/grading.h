@@ -30,6 +30,9 @@ namespace dem
    */
   std::vector<double> sample_diameters(const Grading &grading, std::size_t n, const StreamKey &key);
 
+  /** Volume of a grain [m3]. @param diameter [m] */
+  double compute_grain_volume(double diameter);
+
   /** Grains as large as they are, plus the fines that splitting has made. */
   struct GrainMass
   {
