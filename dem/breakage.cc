@@ -133,6 +133,19 @@ namespace dem
     return places;
   }
 
+  void record_fracture(RevState &state, const std::size_t place, const BreakageCause cause)
+  {
+    const Grains &grains = state.grains;
+    state.fractures.push_back({state.time, grains.id[place], grains.generation[place], 2. * grains.place[place].w,
+                               grains.strength[place], cause});
+    ++(cause == BreakageCause::instant ? state.counters.broken_instant : state.counters.broken_delayed);
+  }
+
+  const char *describe(const BreakageCause cause)
+  {
+    return cause == BreakageCause::instant ? "instant" : "delayed";
+  }
+
   void split_grains(RevState &state, std::vector<std::size_t> places, std::span<const Contact> contacts,
                     const FractureRule &rule, const RevIdentity &identity)
   {

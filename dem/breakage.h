@@ -24,12 +24,6 @@ namespace dem
     std::uint64_t rev = 0;
   };
 
-  enum class BreakageCause
-  {
-    instant, ///< a contact force beyond the limit
-    delayed  ///< a crack that has grown through
-  };
-
   /** N_max: grains that may break at once in a REV of n grains; a batch cut n_cuts times is 2^-n_cuts as large, never
    *  below one grain. */
   std::size_t compute_batch_limit(const FractureRule &rule, std::size_t n_grains, unsigned int n_cuts = 0);
@@ -43,6 +37,11 @@ namespace dem
   /** Places of the grains whose largest contact stress exceeds their strength, the most overstressed first (ties by
    *  id). */
   std::vector<std::size_t> list_overstressed(const Grains &grains, const FractureRule &rule);
+
+  /** Notes and counts in the state that a grain is about to split, at the state's time. @param place  of the grain */
+  void record_fracture(RevState &state, std::size_t place, BreakageCause cause);
+
+  const char *describe(BreakageCause cause);
 
   /**
    * Replaces grains by their fourteen siblings, sibling 0 turned onto the largest contact force; they take the parent's

@@ -14,8 +14,8 @@ namespace dem
       void act(Dynamics &dynamics)
       {
         const double dt = dynamics.get_last_step();
-        const auto broken = grow_cracks(dynamics.get_largest_contact_stress(), dt);
         state_.time += dt;
+        const auto broken = grow_cracks(dynamics.get_largest_contact_stress(), dt);
         if (broken.empty())
           return;
         state_.contacts = collect_memories(dynamics.get_network());
@@ -40,7 +40,7 @@ namespace dem
             if (is_instant || is_delayed)
               {
                 broken.push_back(i);
-                ++(is_instant ? state_.counters.broken_instant : state_.counters.broken_delayed);
+                record_fracture(state_, i, is_instant ? BreakageCause::instant : BreakageCause::delayed);
               }
           }
         return broken;

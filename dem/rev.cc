@@ -106,9 +106,10 @@ namespace dem
     const Stopwatch watch(profile_[Part::ageing]);
     const auto contacts = list_contacts(baseline_, law_);
     const auto broken = advance_cracks(baseline_.grains, dt);
-    split_grains(baseline_, broken, contacts, model_.fracture, model_.identity);
     baseline_.time += dt;
-    baseline_.counters.broken_delayed += broken.size();
+    for (const std::size_t place : broken)
+      record_fracture(baseline_, place, BreakageCause::delayed);
+    split_grains(baseline_, broken, contacts, model_.fracture, model_.identity);
     return broken.size();
   }
 
@@ -124,9 +125,18 @@ namespace dem
     places.resize(std::min(places.size(), compute_batch_limit(model_.fracture, baseline_.grains.size())));
     if (places.empty())
       return 0;
+    for (const std::size_t place : places)
+      record_fracture(baseline_, place, BreakageCause::instant);
     split_grains(baseline_, places, list_contacts(baseline_, law_), model_.fracture, model_.identity);
-    baseline_.counters.broken_instant += places.size();
     return places.size();
+  }
+
+  void Rev::commit()
+  {
+    last_fractures_ = std::move(baseline_.fractures);
+    baseline_.fractures.clear();
+    trial_.fractures.clear();
+    copy(baseline_, committed_);
   }
 
   void Rev::revert()

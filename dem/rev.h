@@ -65,7 +65,7 @@ namespace dem
     /** Brings the baseline to rest at held strain. */
     RestReport relax();
 
-    void commit() { copy(baseline_, committed_); }
+    void commit();
 
     /** Baseline and trial are dropped. */
     void revert();
@@ -76,6 +76,9 @@ namespace dem
     const RevState &get_committed() const { return committed_; }
     const RevState &get_baseline() const { return baseline_; }
     const RevState &get_trial() const { return trial_; }
+    /** What split between the last two commits, in order. */
+    const std::vector<Fracture> &get_last_fractures() const { return last_fractures_; }
+
     const RevModel &get_model() const { return model_; }
     const ContactLaw &get_law() const { return law_; }
     const Profile &get_profile() const { return profile_; }
@@ -95,6 +98,7 @@ namespace dem
     RevState committed_, baseline_, trial_;
     mutable Profile profile_;
     std::size_t n_bytes_at_rest_ = 0;
+    std::vector<Fracture> last_fractures_;
   };
 
   /** A REV from a packing: strengths and cracks drawn, clocks and counters at zero. */

@@ -27,6 +27,23 @@ namespace dem
     std::uint64_t next_id = 0; ///< id that the next sibling gets
   };
 
+  enum class BreakageCause
+  {
+    instant, ///< a contact force beyond the limit
+    delayed  ///< a crack that has grown through
+  };
+
+  /** A grain that has split. */
+  struct Fracture
+  {
+    double time; ///< when it was replaced by its siblings: the end of a jump, or that of the equilibrium [s]
+    GrainId grain;
+    std::uint32_t generation; ///< of the grain that split
+    double diameter;          ///< [m]
+    double strength;          ///< sigma_lim [Pa]
+    BreakageCause cause;
+  };
+
   /** Everything that the future of a REV at rest depends on, beside its parameters. */
   struct RevState
   {
@@ -39,6 +56,8 @@ namespace dem
     double unbalanced_ratio = 0.;         ///< [-]
     double initial_solid_volume = 0.;     ///< [m3], grains before any split; the lost part is fines
     Counters counters;
+    /** What has split since the last commit, in order. Nothing depends on it, and it is not part of the bytes. */
+    std::vector<Fracture> fractures;
   };
 
   /** Memory that a state holds [bytes]. */

@@ -240,4 +240,38 @@ namespace
     EXPECT_GT(rev.count_bytes(), 3 * n_grains * (3 * sizeof(Row) + 2 * sizeof(ContactMemory))); // two contacts a grain
     EXPECT_LT(rev.count_bytes(), 1500 * n_grains);
   }
+
+  TEST(Rev, FracturesOfACommittedStepAreListed)
+  {
+    // Law: what split between two commits, as it was before, with cause and time; what was rolled back is not among it,
+    // nor what split before.
+    Rev rev = make_loaded_rev();
+    const Grains whole = get_loaded_state().grains;
+    const double dt = rev.compute_time_to_next_batch();
+    rev.age(dt);
+    rev.revert();
+    rev.commit();
+    EXPECT_TRUE(rev.get_last_fractures().empty());
+
+    const std::size_t n = rev.age(dt);
+    ASSERT_GE(n, 1u);
+    rev.commit();
+    const std::vector<Fracture> &fractures = rev.get_last_fractures();
+    ASSERT_EQ(fractures.size(), n);
+    const Grains &now = rev.get_committed().grains;
+    for (const Fracture &fracture : fractures)
+      {
+        const auto was = std::find(whole.id.begin(), whole.id.end(), fracture.grain);
+        ASSERT_NE(was, whole.id.end());
+        const std::size_t place = static_cast<std::size_t>(was - whole.id.begin());
+        EXPECT_EQ(fracture.time, dt);
+        EXPECT_EQ(fracture.cause, BreakageCause::delayed);
+        EXPECT_EQ(fracture.diameter, 2. * whole.place[place].w);
+        EXPECT_EQ(fracture.strength, whole.strength[place]);
+        EXPECT_EQ(fracture.generation, 0u);
+        EXPECT_EQ(std::find(now.id.begin(), now.id.end(), fracture.grain), now.id.end());
+      }
+    rev.commit();
+    EXPECT_TRUE(rev.get_last_fractures().empty());
+  }
 } // namespace
