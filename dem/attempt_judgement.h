@@ -11,6 +11,7 @@ namespace dem
     double strain = 0.;          ///< largest component of the logarithmic strain since the last committed state [-]
     double strain_of_stage = 0.; ///< the same since the stage began [-]
     double largest_target = 0.;  ///< largest stress that is controlled [Pa]
+    std::array<bool, 6> is_stress_controlled{}; ///< xx, yy, zz, xy, yz, xz
   };
 
   /**

@@ -112,6 +112,9 @@ namespace dem
           }
       }
 
+      /** Dynamic computations of the last step, if time passed in it. */
+      const std::vector<DynamicRecord> &get_dynamics() const { return dynamics_; }
+
     private:
       Step choose_step() const
       {
@@ -186,8 +189,10 @@ namespace dem
       StepOutcome attempt(const Step &step, std::vector<Observation> &observations)
       {
         dynamic_time_ = 0.;
+        dynamics_.clear();
+        DynamicRecord record_of_round = begin_record(step.dt);
         if (step.dt > 0.)
-          age(step.dt, observations);
+          record_of_round.n_broken = age(step.dt, observations);
         for (std::size_t round = 0; round < rule_.round_cap; ++round)
           {
             const AttemptEnd end = equilibrate(step);
@@ -196,6 +201,8 @@ namespace dem
             const LaboratoryOutcome judgement = judge_attempt(stage_, rule_, end);
             if (judgement != LaboratoryOutcome::finished)
               return step.may_be_halved ? StepOutcome::too_large : give_up(judgement, observations);
+            if (step.dt > 0.)
+              end_record(record_of_round, end);
             dynamic_time_ += report.duration;
             record(is_held(stage_)
                        ? (stage_.kind == StageKind::relaxation ? ObservationKind::relaxed : ObservationKind::dynamic)
@@ -204,7 +211,10 @@ namespace dem
             const std::size_t batch = compute_batch_limit(rev_.get_model().fracture, rev_.get_baseline().grains.size());
             if (rev_.count_overstressed() > batch && step.may_be_halved)
               return StepOutcome::too_large;
-            if (rev_.split_overstressed() == 0)
+            record_of_round = begin_record(0.);
+            record_of_round.cause = BreakageCause::instant;
+            record_of_round.n_broken = rev_.split_overstressed();
+            if (record_of_round.n_broken == 0)
               return StepOutcome::ok;
           }
         position_.criterion = RuptureCriterion::endless_avalanche;
@@ -234,6 +244,7 @@ namespace dem
             compute_largest_component(strain - compute_logarithmic_strain(rev_.get_committed().cell.deformation));
         end.strain_of_stage = compute_largest_component(strain - position_.strain_at_start);
         end.largest_target = compute_largest_component(control.target_stress);
+        end.is_stress_controlled = control.is_stress_controlled;
         return end;
       }
 
@@ -253,11 +264,31 @@ namespace dem
         return StepOutcome::given_up;
       }
 
-      void age(const double dt, std::vector<Observation> &observations)
+      std::size_t age(const double dt, std::vector<Observation> &observations)
       {
         record(ObservationKind::ageing, observations, rev_.get_baseline());
         observations.back().time += dt;
-        rev_.age(dt);
+        return rev_.age(dt);
+      }
+
+      DynamicRecord begin_record(const double jump) const
+      {
+        DynamicRecord record;
+        record.stage = position_.stage;
+        record.time = rev_.get_baseline().time;
+        record.jump = jump;
+        record.strain_change = -compute_logarithmic_strain(rev_.get_baseline().cell.deformation);
+        return record;
+      }
+
+      void end_record(DynamicRecord record, const AttemptEnd &end)
+      {
+        record.n_cycles = end.rest.n_cycles;
+        record.is_stress_controlled = end.is_stress_controlled;
+        record.largest_deviation = end.rest.largest_deviation;
+        record.smallest_deviation = end.rest.smallest_deviation;
+        record.strain_change += compute_logarithmic_strain(rev_.get_baseline().cell.deformation);
+        dynamics_.push_back(record);
       }
 
       void record(const ObservationKind kind, std::vector<Observation> &observations, const RevState &state) const
@@ -275,6 +306,7 @@ namespace dem
       const double nominal_;
       double dynamic_time_ = 0.; // of the present attempt [s]
       LaboratoryOutcome failure_ = LaboratoryOutcome::no_equilibrium;
+      std::vector<DynamicRecord> dynamics_; // of the present attempt
     };
 
     /** One stage from where it stands to its end. */
@@ -291,6 +323,9 @@ namespace dem
               observer.observe(observation);
           if (outcome != LaboratoryOutcome::finished)
             return outcome;
+          if (observer.disturbed)
+            for (const DynamicRecord &record : runner.get_dynamics())
+              observer.disturbed(record);
           const double fraction =
               (static_cast<double>(position.stage) + runner.compute_fraction()) / static_cast<double>(n_stages);
           if (observer.committed && observer.committed(position, fraction))

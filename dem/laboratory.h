@@ -2,6 +2,7 @@
 
 #include "dem/rev.h"
 
+#include <array>
 #include <functional>
 #include <optional>
 #include <string>
@@ -79,6 +80,21 @@ namespace dem
     std::size_t n_grains = 0;
   };
 
+  /** One dynamic computation of a step in which time passed: what disturbed the rest, and how far the controlled
+   * stresses went from their targets on the way back to it. In the program's sign: tension-positive. */
+  struct DynamicRecord
+  {
+    std::size_t stage = 0; ///< from 0
+    double time = 0.;      ///< at which the jump before it began; without a jump: at which it began itself [s]
+    double jump = 0.;      ///< length of that jump [s]; 0 after an overload within an avalanche
+    std::size_t n_broken = 0;
+    BreakageCause cause = BreakageCause::delayed; ///< of what broke
+    std::size_t n_cycles = 0;
+    std::array<bool, 6> is_stress_controlled{};                      ///< xx, yy, zz, xy, yz, xz
+    std::array<double, 6> largest_deviation{}, smallest_deviation{}; ///< from the targets [Pa]
+    Matrix strain_change = Matrix::Zero();                           ///< logarithmic [-]
+  };
+
   /** Where a programme stands: with the REV's committed state all that a resumed run needs. */
   struct LaboratoryPosition
   {
@@ -122,7 +138,8 @@ namespace dem
 
   struct LaboratoryObserver
   {
-    std::function<void(const Observation &)> observe; ///< committed observations, in order
+    std::function<void(const Observation &)> observe;     ///< committed observations, in order
+    std::function<void(const DynamicRecord &)> disturbed; ///< committed dynamic computations, in order
     /** After each committed step; true stops the programme. `fraction` is the share of the whole that is done. */
     std::function<bool(const LaboratoryPosition &, double fraction)> committed;
     std::function<void(std::size_t stage, bool is_end)> stage_edge;

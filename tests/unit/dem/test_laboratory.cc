@@ -182,6 +182,49 @@ namespace
     EXPECT_GT(rev.get_committed().counters.broken_delayed, 0u);
   }
 
+  TEST(Laboratory, DynamicComputationsOfAStepAreHandedOut)
+  {
+    // Law: of a creep whose load stood for no time, every broken grain disturbed one of them, jumps add up to the time
+    // and strain changes to the strain (rounding), and the controlled stress alone has deviations that include the
+    // servo's: a grain that breaks carries load, so that stress drops (rises in tension-positive sign).
+    Rev rev = make_small_rev(make_weak_model());
+    const ProgrammeRun loaded = run(rev, {make_stage(StageKind::oedometric, 8e6)});
+    ASSERT_EQ(loaded.outcome, LaboratoryOutcome::finished);
+    const Matrix strain_before = get_strain(rev);
+    const Counters before = rev.get_committed().counters;
+    std::vector<DynamicRecord> records;
+    LaboratoryObserver observer;
+    observer.disturbed = [&](const DynamicRecord &record) { records.push_back(record); };
+    LaboratoryPosition position = loaded.last;
+    const std::vector<LaboratoryStage> stages = {make_stage(StageKind::oedometric, 8e6),
+                                                 make_held(StageKind::creep, 1e4)};
+    ASSERT_EQ(run_programme(rev, stages, {}, observer, position), LaboratoryOutcome::finished);
+    std::size_t n_instant = 0, n_delayed = 0, n_cycles = 0;
+    double time = 0.;
+    Matrix strain = Matrix::Zero();
+    for (const DynamicRecord &record : records)
+      {
+        EXPECT_EQ(record.stage, 1u);
+        EXPECT_NEAR(record.time, time, 1e-8);
+        EXPECT_EQ(record.cause == BreakageCause::instant, record.jump == 0.);
+        EXPECT_EQ(record.is_stress_controlled, (std::array<bool, 6>{false, false, true, false, false, false}));
+        EXPECT_GE(record.largest_deviation[2], 0.);
+        EXPECT_LE(record.smallest_deviation[2], 0.);
+        EXPECT_TRUE(record.n_broken == 0 || record.largest_deviation[2] > 0.);
+        (record.cause == BreakageCause::instant ? n_instant : n_delayed) += record.n_broken;
+        n_cycles += record.n_cycles;
+        time += record.jump;
+        strain += record.strain_change;
+      }
+    const Counters after = rev.get_committed().counters;
+    EXPECT_EQ(n_delayed, after.broken_delayed - before.broken_delayed);
+    EXPECT_EQ(n_instant, after.broken_instant - before.broken_instant);
+    EXPECT_EQ(n_cycles, after.cycles - before.cycles);
+    EXPECT_GT(n_delayed, 0u);
+    EXPECT_NEAR(time, 1e4, 1e-8);
+    EXPECT_LT((strain - (get_strain(rev) - strain_before)).norm(), 1e-14);
+  }
+
   TEST(Laboratory, RelaxationHoldsItsStrain)
   {
     // Law: not a bit of the cell moves while grains break and stress falls.
