@@ -12,7 +12,21 @@ import numpy as np
 
 from .errors import BadInput, NotInThisRun
 
-TEXT_COLUMNS = {"kind"}
+TEXT_COLUMNS = {"kind", "cause"}
+
+
+class Table:
+    """A table of a run folder beside its history."""
+
+    def __init__(self, path):
+        self.path = path
+        self.columns = read_history(path, may_be_empty=True)
+
+    def get_column(self, name):
+        """Values of one column, one a row."""
+        if name not in self.columns:
+            raise BadInput(f"{self.path}: column {name} is missing")
+        return self.columns[name]
 
 
 class RunFolder:
@@ -36,6 +50,12 @@ class RunFolder:
         if name not in self.history:
             raise BadInput(f"{self.path / 'history.csv'}: column {name} is missing")
         return self.history[name]
+
+    def read_table(self, name):
+        """The table of that file name, as slowsand-rev writes them."""
+        if not (self.path / name).is_file():
+            raise NotInThisRun(f"no {name} in {self.path}")
+        return Table(self.path / name)
 
     def is_rev(self):
         """True for a REV alone (slowsand-rev), False for a boundary-value problem (slowsand-bvp)."""
@@ -83,11 +103,11 @@ class Creep:
     stage: int
 
 
-def read_history(path):
+def read_history(path, may_be_empty=False):
     """Columns of a history file by name. Text columns as lists, the others as arrays of numbers."""
     with open(path, newline="", encoding="utf-8", errors="replace") as file:
         rows = list(csv.reader(file))
-    if len(rows) < 2:
+    if len(rows) < (1 if may_be_empty else 2):
         raise BadInput(f"{path}: no rows")
     header, body = [name.strip() for name in rows[0]], [row for row in rows[1:] if row]
     for line, row in enumerate(body, start=2):

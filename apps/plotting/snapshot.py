@@ -50,6 +50,29 @@ def read_snapshot(path):
     return snapshot
 
 
+@dataclass
+class Cracks:
+    """The cracks of a REV, one entry a grain."""
+
+    id: np.ndarray
+    radius: np.ndarray  # [m]
+    half_length: np.ndarray  # [m]
+    velocity: np.ndarray  # [m/s]
+
+
+def read_cracks(path):
+    """Reads the cracks of one snapshot; raises BadInput naming file and dataset."""
+    try:
+        with h5py.File(path, "r") as file:
+            values = [_read_dataset(file, path, f"/grains/{name}", (None,))
+                      for name in ("id", "radius", "crack_half_length", "crack_velocity")]
+    except OSError as error:
+        raise BadInput(f"{path}: not a readable HDF5 file ({_first_line(error)})") from None
+    if len({len(array) for array in values}) > 1:
+        raise BadInput(f"{path}: datasets /grains/id, radius, crack_half_length, crack_velocity differ in length")
+    return Cracks(*values)
+
+
 def _read_dataset(file, path, name, shape):
     if name not in file:
         raise BadInput(f"{path}: dataset {name} is missing")

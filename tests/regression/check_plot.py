@@ -21,7 +21,8 @@ SOURCE = ARGUMENTS.parse_known_args()[0].source
 sys.path[:0] = [str(SOURCE / "apps"), str(SOURCE / "tests" / "support")]
 
 import plot_runs  # noqa: E402
-from plotting import creep, grading, rev_picture, snapshot, specimen, stress_path, vtu  # noqa: E402
+from plotting import (creep, fluctuation, fracture_times, grading, rev_picture, run_folder, snapshot,  # noqa: E402
+                      specimen, stress_path, vtu)
 
 SAMPLES = SOURCE / "tests" / "regression" / "deal_ii_fields"
 
@@ -92,6 +93,58 @@ class Grading(unittest.TestCase):
         diameters, volumes = np.array([3., 1., 2.]), np.array([5., 1., 2.])
         passing = grading.compute_passing((diameters, volumes), 0., 0., np.array([0.5, 1., 2.5, 3.]))
         np.testing.assert_allclose(passing, [0., 1 / 8, 3 / 8, 1.], rtol=1e-15)
+
+
+class Measures(unittest.TestCase):
+    """Law: tables and figures of breakage measures equal what the run is known to hold."""
+
+    def setUp(self):
+        self.run = run_folder.RunFolder(plot_runs.write_rev_run(
+            Path(self.enterContext(tempfile.TemporaryDirectory())) / "run"))
+
+    def print_table(self, option):
+        command = ["/usr/bin/python3", str(SOURCE / "apps" / "slowsand-plot"), option, str(self.run.path)]
+        done = subprocess.run(command, capture_output=True, text=True, check=True)
+        return list(csv.DictReader(io.StringIO(done.stdout)))
+
+    def test_fluctuation_is_that_of_what_broke_under_control(self):
+        found = fluctuation.read_fluctuation(self.run)
+        broken, rise, drop = np.array(plot_runs.DISTURBANCES).T
+        np.testing.assert_array_equal(found.broken, broken)
+        np.testing.assert_array_equal(found.rise, rise)
+        np.testing.assert_array_equal(found.drop, -drop)
+        np.testing.assert_allclose(found.mean, [0.4e6, 0.06e6, 0.02e6], rtol=1e-15)
+
+    def test_times_to_fracture_are_sorted(self):
+        # Every crack has 0.9 R to go at one velocity: the smallest radius first, ties by number, siblings never.
+        rows = [row for row in self.print_table("--print-times") if row["snapshot"] == "final"]
+        self.assertEqual(len(rows), 216 - 7)
+        times = [float(row["time_to_fracture_s"]) for row in rows]
+        self.assertEqual(times, sorted(times))
+        self.assertAlmostEqual(times[0] / (0.9 * 0.1e-3 / plot_runs.CRACK_VELOCITY), 1., delta=1e-9)  # ten digits
+        self.assertAlmostEqual(times[-1] / (0.9 * 0.135e-3 / plot_runs.CRACK_VELOCITY), 1., delta=1e-9)
+        self.assertEqual([int(row["rank"]) for row in rows], list(range(1, len(rows) + 1)))
+        first = [int(row["grain"]) for row in rows if row["time_to_fracture_s"] == rows[0]["time_to_fracture_s"]]
+        self.assertEqual(first, sorted(first))
+
+    def test_a_crack_that_is_through_takes_no_time(self):
+        cracks = snapshot.Cracks(*(np.array(values) for values in (
+            [4, 3, 2], [1., 1., 1.], [1.5, 0.5, 0.], [0.1, 0.1, 0.])))
+        grains, times = fracture_times.sort_times(cracks)
+        np.testing.assert_array_equal(grains, [4, 3])
+        np.testing.assert_allclose(times, [0., 5.], rtol=1e-15)
+
+    def test_fractures_are_counted_by_cause_generation_and_size(self):
+        rows = self.print_table("--print-fractures")
+        total = {(cause, generation): sum(int(row["broken"]) for row in rows if (row["cause"], row["generation"])
+                                          == (cause, generation))
+                 for cause in ("delayed", "instant") for generation in ("0", "1")}
+        self.assertEqual(total, {("delayed", "0"): 2, ("instant", "0"): 1, ("delayed", "1"): 0, ("instant", "1"): 1})
+        largest = [row for row in rows if float(row["to_diameter_m"]) > 0.2699e-3]
+        self.assertEqual({(row["cause"], row["broken"]) for row in largest}, {("delayed", "1"), ("instant", "1")})
+        packing = [row for row in rows if row["cause"] == "delayed" and row["generation"] == "0"]
+        self.assertEqual(sum(int(row["grains_of_the_packing"]) for row in packing), 216)
+        self.assertEqual([row["grains_of_the_packing"] for row in rows if row["generation"] == "1"], ["nan"])
 
 
 class StressPath(unittest.TestCase):

@@ -52,12 +52,15 @@ class PlotTest(unittest.TestCase):
 class Figures(PlotTest):
     def test_rev_run_has_all_but_a_specimen(self):
         done = run_plot(plot_runs.write_rev_run(self.folder / "run"))
-        self.assert_drawn(done, ["creep", "compression", "grading", "stress_path", "rev"])
+        self.assert_drawn(done, ["creep", "compression", "grading", "stress_path", "rev", "breakage", "fractures",
+                                  "times_to_fracture", "fluctuation"])
         self.assertIn("no figure specimen", done.stderr)
 
     def test_boundary_value_problem_has_all(self):
         done = run_plot(plot_runs.write_bvp_run(self.folder / "run", SAMPLES), "--output", self.folder / "here")
-        self.assert_drawn(done, ["creep", "compression", "grading", "stress_path", "specimen", "rev"])
+        self.assert_drawn(done, ["creep", "compression", "grading", "stress_path", "specimen", "rev",
+                                 "times_to_fracture"])
+        self.assertIn("no figure fluctuation", done.stderr)
         self.assertTrue((self.folder / "here" / "specimen.png").is_file())
 
     def test_solid_mesh(self):
@@ -108,6 +111,26 @@ class BadInput(PlotTest):
         with h5py.File(file, "w") as content:
             content.attrs["format"] = "somebody else's"
         self.assert_refused(run_plot(run, "--figures", "rev"), str(file), "format")
+
+    def test_tables(self):
+        run = plot_runs.write_rev_run(self.folder / "run")
+        self.edit(run / "jumps.csv", "largest_deviation_zz_Pa", "something_else")
+        self.assert_refused(run_plot(run, "--figures", "fluctuation"), "jumps.csv", "largest_deviation_zz_Pa")
+        self.edit(run / "breakage.csv", "1000000.0,2.0", "late,2.0")
+        self.assert_refused(run_plot(run, "--figures", "breakage"), "breakage.csv", "column time_s", "'late'")
+        (run / "fractures.csv").unlink()
+        self.assert_refused(run_plot(run, "--print-fractures"), str(run), "fractures.csv")
+        with h5py.File(run / "snapshots" / "final.h5", "a") as content:
+            del content["/grains/crack_velocity"]
+        self.assert_refused(run_plot(run, "--print-times"), "final.h5", "/grains/crack_velocity")
+
+    def test_nothing_broke(self):
+        run = plot_runs.write_rev_run(self.folder / "run")
+        for table in ("jumps.csv", "fractures.csv"):
+            header = (run / table).read_text(encoding="utf-8").splitlines()[0]
+            (run / table).write_text(header + "\n", encoding="utf-8")
+        for figure, table in (("fluctuation", "jumps.csv"), ("fractures", "fractures.csv")):
+            self.assert_refused(run_plot(run, "--figures", figure), table)
 
     def test_fields(self):
         run = plot_runs.write_bvp_run(self.folder / "run", SAMPLES)

@@ -11,6 +11,7 @@ COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "xz")
 SLOPE = 0.0025  # axial creep strain per decade of time [-]
 CREEP_START = 37.  # [s]
 AXIAL, LATERAL = 21.7e6, 9.0e6  # stresses during creep [Pa]
+CRACK_VELOCITY = 1e-8  # [m/s]
 PARAMETERS = """set Seed = 1
 subsection Grains
   set Comminution limit = 1.16e-4
@@ -78,6 +79,7 @@ def write_rev_run(folder, **options):
     (folder / "summary.json").write_text("{}", encoding="utf-8")
     write_snapshot(folder / "snapshots" / "initial.h5", 0., broken=())
     write_snapshot(folder / "snapshots" / "final.h5", 1e6, broken=(5, 50, 95, 126, 155, 200, 215))
+    write_tables(folder)
     return folder
 
 
@@ -107,6 +109,34 @@ def write_bvp_run(folder, samples, mesh="two", points=8):
     return folder
 
 
+# Three dynamic computations after fractures: grains, rise and drop of the axial stress [Pa]. An output of no grain and a
+# disturbance without a controlled stress stand between them.
+DISTURBANCES = ((30, 0.2e6, -0.6e6), (5, 0.02e6, -0.1e6), (1, 0., -0.04e6))
+
+
+def write_tables(folder):
+    """breakage.csv, jumps.csv, fractures.csv with known content."""
+    time = np.concatenate(([0., 0.], np.logspace(0, 6, 25)))
+    decades = np.log10(np.maximum(time, 1.))
+    columns = [("time_s", time), ("stage", np.full(27, 2))]
+    for name, scale in (("hardin", 0.01), ("hardin_with_fines", 0.02), ("einav", 0.005), ("einav_with_fines", 0.01)):
+        measure, _, fines = name.partition("_")
+        columns.append((f"relative_breakage_{measure}{'_' + fines if fines else ''}", scale * decades))
+    _write_csv(folder / "breakage.csv", columns)
+    nothing = [float("nan")] * 5
+    rows = [(30, "delayed", *DISTURBANCES[0][1:]), (0, "none", 0., 0.), (5, "instant", *DISTURBANCES[1][1:]),
+            (8, "instant", float("nan"), float("nan")), (1, "delayed", *DISTURBANCES[2][1:])]
+    columns = [("jump", np.arange(1, 6)), ("stage", [2] * 5), ("broken", [row[0] for row in rows]),
+               ("cause", [row[1] for row in rows])]
+    for index, name in ((2, "largest"), (3, "smallest")):
+        columns += [(f"{name}_deviation_{c}_Pa", [row[index] for row in rows] if c == "zz" else nothing)
+                    for c in COMPONENTS]
+    _write_csv(folder / "jumps.csv", columns)
+    _write_csv(folder / "fractures.csv", [
+        ("time_s", [1., 1., 2., 3.]), ("cause", ["delayed", "delayed", "instant", "instant"]),
+        ("generation", [0, 0, 0, 1]), ("diameter_m", [0.27e-3, 0.2e-3, 0.27e-3, 0.12e-3])])
+
+
 def make_siblings(centre, radius):
     """Centres and radii of the fourteen siblings: six large at an octahedron's corners, eight small on diagonals."""
     axes = np.vstack([np.eye(3), -np.eye(3)])
@@ -132,6 +162,10 @@ def write_snapshot(path, time, broken):
         file.attrs["format_version"], file.attrs["time_s"], file.attrs["seed"] = 1, time, 1
         file["/cell/matrix"] = 6 * spacing * np.eye(3)
         file["/cell/matrix"].attrs["kind"] = "periodic"
-        for name, values in (("position", position), ("radius", radius), ("generation", generation)):
+        # Cracks that grow at one velocity from a tenth of the radius on; siblings' stand still.
+        velocity = np.where(generation == 0, CRACK_VELOCITY, 0.)
+        for name, values in (("position", position), ("radius", radius), ("generation", generation),
+                             ("id", np.arange(len(radius))), ("crack_half_length", 0.1 * radius),
+                             ("crack_velocity", velocity)):
             file[f"/grains/{name}"] = values
     return path
