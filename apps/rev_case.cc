@@ -116,6 +116,18 @@ namespace apps
       binder.leave();
     }
 
+    void bind_breakage(ParameterBinder &binder, dem::BreakageScale &scale)
+    {
+      binder.enter("Breakage measures");
+      binder.bind("Silt diameter", scale.silt_diameter, positive,
+                  "Hardin: finer mass has no potential to break. Units: [m].");
+      binder.bind("Fractal dimension", scale.fractal_dimension, {0., 3., false, true},
+                  "Einav: alpha of the ultimate grading. Units: [-].");
+      binder.bind("Smallest diameter", scale.smallest_diameter, positive,
+                  "Einav: d_m of the ultimate grading; finer mass counts as d_m. Units: [m].");
+      binder.leave();
+    }
+
     /** Which of the REV's stages contradicts itself, as a mistake in the file. */
     void check_stages(const ParameterBinder &binder, const std::vector<dem::LaboratoryStage> &stages)
     {
@@ -148,6 +160,7 @@ namespace apps
         "Whose strengths and cracks are drawn: that of a Gauss point, to take its REV through a laboratory test. "
         "Units: [-].");
     bind_laboratory(binder, rev_case);
+    bind_breakage(binder, rev_case.breakage);
     for (unsigned int k = 0; k < n_stages; ++k)
       bind_stage(binder, fmt::format("Stage {}", k + 1), rev_case.stages[k], texts[k]);
     binder.read(file);

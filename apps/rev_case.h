@@ -2,6 +2,7 @@
 
 #include "apps/rev_parameters.h"
 
+#include "dem/breakage_measures.h"
 #include "dem/laboratory.h"
 
 #include <iosfwd>
@@ -14,6 +15,7 @@ namespace apps
     RevParameters rev;
     std::vector<dem::LaboratoryStage> stages;
     dem::LaboratoryRule laboratory;
+    dem::BreakageScale breakage;
     double checkpoint_interval = 30.; ///< [s] of wall time
 
     std::string parameters; ///< all of them as used, a file that can be read again

@@ -46,8 +46,9 @@ namespace apps
                             {"strength_Pa", position.strength},
                             {"strain_at_strength", position.strain_at_strength},
                             {"is_searching", position.before_search.has_value()},
-                            {"history_rows", checkpoint.n_rows}}
-          .dump(1);
+                            {"rows", checkpoint.n_rows},
+                            {"initial_diameters_m", checkpoint.initial_diameters}}
+          .dump();
     }
 
     /** @return whether a search is under way */
@@ -55,9 +56,9 @@ namespace apps
     {
       const auto json = nlohmann::json::parse(text);
       const auto version = json.value("format_version", 1u);
-      if (version > format_version)
+      if (version != format_version)
         throw std::invalid_argument(
-            fmt::format("format_version is {}, this program reads up to {}", version, format_version));
+            fmt::format("format_version is {}, this program reads {}", version, format_version));
       dem::LaboratoryPosition &position = checkpoint.position;
       position.stage = json.at("stage").get<std::size_t>();
       position.share = json.at("share").get<double>();
@@ -66,11 +67,10 @@ namespace apps
       position.n_cuts = json.at("n_cuts").get<unsigned int>();
       position.stress_at_start = to_matrix(json.at("stress_at_start_Pa"));
       position.strain_at_start = to_matrix(json.at("strain_at_start"));
-      checkpoint.n_rows = json.at("history_rows").get<std::uint64_t>();
-      if (version < 2)
-        return false;
       position.strength = json.at("strength_Pa").get<double>();
       position.strain_at_strength = json.at("strain_at_strength").get<double>();
+      checkpoint.n_rows = json.at("rows").get<RowCounts>();
+      checkpoint.initial_diameters = json.at("initial_diameters_m").get<std::vector<double>>();
       return json.at("is_searching").get<bool>();
     }
   } // namespace

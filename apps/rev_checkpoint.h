@@ -1,5 +1,7 @@
 #pragma once
 
+#include "apps/rev_history.h"
+
 #include "dem/laboratory.h"
 
 #include <string>
@@ -11,7 +13,8 @@ namespace apps
   {
     dem::RevState state;
     dem::LaboratoryPosition position;
-    std::uint64_t n_rows = 0; ///< of history.csv
+    RowCounts n_rows;                      ///< of the tables
+    std::vector<double> initial_diameters; ///< of the packing, before anything broke [m]
   };
 
   /** Writes it as a snapshot with the position beside it, to a temporary name first, then renamed. Throws

@@ -1,8 +1,8 @@
 #include "apps/rev_run.h"
 
-#include "apps/history_file.h"
 #include "apps/progress.h"
 #include "apps/rev_checkpoint.h"
+#include "apps/rev_history.h"
 
 #include "dem/attempt_judgement.h"
 #include "dem/packing_file.h"
@@ -19,31 +19,6 @@ namespace apps
 {
   namespace
   {
-    std::vector<std::string> name_columns()
-    {
-      std::vector<std::string> columns = {"time_s", "stage", "kind", "cycles"};
-      for (const auto &names : {name_tensor_columns("strain", ""), name_tensor_columns("stress", "_Pa")})
-        columns.insert(columns.end(), names.begin(), names.end());
-      for (const char *name : {"void_ratio", "void_ratio_with_fines", "grains", "broken_instant", "broken_delayed",
-                               "coordination", "unbalanced_ratio"})
-        columns.push_back(name);
-      return columns;
-    }
-
-    /** The row that people read: compression-positive, stages counted from 1. */
-    HistoryRow make_row(const dem::Observation &observation)
-    {
-      HistoryRow row;
-      row.add(observation.time).add(observation.stage + 1).add(dem::describe(observation.kind));
-      row.add(observation.counters.cycles);
-      for (const dem::Matrix &tensor : {observation.strain, observation.stress})
-        for (const auto &index : dem::tangent_index)
-          row.add(-tensor(index[0], index[1]) + 0.); // no negative zero in a table
-      row.add(observation.void_ratio).add(observation.void_ratio_with_fines).add(observation.n_grains);
-      row.add(observation.counters.broken_instant).add(observation.counters.broken_delayed);
-      return row.add(observation.coordination).add(observation.unbalanced_ratio);
-    }
-
     /** The packing asked for, at the pressure asked for. */
     dem::RevState make_packing(const RevCase &rev_case, Progress &progress, Summary &summary)
     {
@@ -107,6 +82,7 @@ namespace apps
         const dem::Clock::time_point begin = dem::Clock::now();
         dem::LaboratoryObserver observer;
         observer.observe = [this](const dem::Observation &observation) { record(observation); };
+        observer.disturbed = [this](const dem::DynamicRecord &dynamic) { record(dynamic); };
         observer.committed = [this](const dem::LaboratoryPosition &, const double fraction) {
           return advance(fraction);
         };
@@ -125,7 +101,10 @@ namespace apps
         summary_.wall_s["packing"] = dem::measure_seconds_since(begin);
         rev_ = std::make_unique<dem::Rev>(dem::make_rev(case_.rev.model, packing));
         folder_.prepare(case_.parameters);
-        history_ = std::make_unique<HistoryFile>(folder_.get_file("history.csv"), name_columns());
+        initial_diameters_ = dem::list_diameters(rev_->get_committed().grains);
+        history_ = std::make_unique<RevHistory>(folder_.get_path());
+        write_breakage(0);
+        committed_rows_ = history_->count_rows();
         write_snapshot("initial");
       }
 
@@ -135,26 +114,36 @@ namespace apps
         const RevCheckpoint checkpoint = as_bad_input([&] { return read_rev_checkpoint(file); });
         position_ = checkpoint.position;
         prolong_held_stage(case_.stages, file, position_);
-        n_rows_ = n_committed_rows_ = checkpoint.n_rows;
+        committed_rows_ = checkpoint.n_rows;
+        initial_diameters_ = checkpoint.initial_diameters;
         rev_ = std::make_unique<dem::Rev>(case_.rev.model, checkpoint.state);
-        std::uint64_t row = 0;
-        history_ =
-            std::make_unique<HistoryFile>(folder_.get_file("history.csv"), name_columns(),
-                                          [&](const std::vector<std::string> &) { return row++ < checkpoint.n_rows; });
+        history_ = std::make_unique<RevHistory>(folder_.get_path(), checkpoint.n_rows);
         folder_.prepare(case_.parameters); // not before the folder has turned out to be one of these parameters
         progress_.say(fmt::format("resumed at {:.4g} s in stage {}", checkpoint.state.time, position_.stage + 1));
       }
 
-      void record(const dem::Observation &observation)
+      template <typename Row>
+      void record(const Row &row)
       {
         const dem::Stopwatch watch(summary_.output_s);
-        history_->write(make_row(observation));
-        ++n_rows_;
+        history_->write(row);
+      }
+
+      /** @param stage  number that is written */
+      void write_breakage(const std::size_t stage)
+      {
+        const dem::Stopwatch watch(summary_.output_s);
+        const dem::RevState &state = rev_->get_committed();
+        history_->write(dem::measure_breakage(state, initial_diameters_, case_.rev.model.fracture, case_.breakage),
+                        state.counters, state.time, stage);
       }
 
       bool advance(const double fraction)
       {
-        n_committed_rows_ = n_rows_;
+        for (const dem::Fracture &fracture : rev_->get_last_fractures())
+          history_->write(fracture, position_.stage);
+        write_breakage(position_.stage + 1);
+        committed_rows_ = history_->count_rows();
         const dem::RevState &state = rev_->get_committed();
         progress_.show(fmt::format("{}: {:.4g} s, axial stress {:.4g} MPa, {} grains broken",
                                    case_.stages[position_.stage].name, state.time, -state.stress(2, 2) / 1e6,
@@ -189,7 +178,7 @@ namespace apps
       {
         const dem::Stopwatch watch(summary_.output_s);
         write_rev_checkpoint(folder_.get_file("checkpoint.h5"), *rev_,
-                             {rev_->get_committed(), position_, n_committed_rows_});
+                             {rev_->get_committed(), position_, committed_rows_, initial_diameters_});
         last_checkpoint_ = dem::Clock::now();
       }
 
@@ -270,8 +259,9 @@ namespace apps
       Summary summary_;
       dem::LaboratoryPosition position_;
       std::unique_ptr<dem::Rev> rev_;
-      std::unique_ptr<HistoryFile> history_;
-      std::uint64_t n_rows_ = 0, n_committed_rows_ = 0; // rows of a rupture are committed by no step
+      std::unique_ptr<RevHistory> history_;
+      RowCounts committed_rows_;              // those of a rupture are committed by no step
+      std::vector<double> initial_diameters_; // of the packing [m]
       dem::Clock::time_point last_checkpoint_;
     };
   } // namespace
