@@ -17,7 +17,8 @@ def draw(run, options):
     for name, colour, label in MEASURES:
         for suffix, line, fines in (("", "-", "without fines"), ("_with_fines", "--", "with fines")):
             values = table.get_column(f"relative_breakage_{name}{suffix}")
-            axes.semilogx(time[shown], values[shown], line, color=colour, label=f"{label}, {fines}")
+            axes.semilogx(time[shown], values[shown], line, drawstyle="steps-post", color=colour,
+                          label=f"{label}, {fines}")
     axes.set_xlabel("time [s]")
     axes.set_ylabel("relative breakage [-]")
     axes.set_ylim(bottom=0)

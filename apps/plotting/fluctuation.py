@@ -50,6 +50,7 @@ def draw(run, options):
         axes.plot(fluctuation.broken, values / 1e6, marker, color=colour, markerfacecolor="none",
                   markeredgewidth=0.6, label=label)
     axes.axhline(0., color="0.75", linewidth=0.6, zorder=1)
+    axes.xaxis.get_major_locator().set_params(integer=True)
     axes.set_xlabel("grains broken at once [-]")
     axes.set_ylabel("deviation from the target [MPa]\n(compression positive)")
     axes.legend(loc="best")
