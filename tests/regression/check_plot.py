@@ -21,7 +21,7 @@ SOURCE = ARGUMENTS.parse_known_args()[0].source
 sys.path[:0] = [str(SOURCE / "apps"), str(SOURCE / "tests" / "support")]
 
 import plot_runs  # noqa: E402
-from plotting import (creep, fluctuation, fracture_times, grading, rev_picture, run_folder, snapshot,  # noqa: E402
+from plotting import (curves, fluctuation, fracture_times, grading, rev_picture, run_folder, snapshot,  # noqa: E402
                       specimen, stress_path, vtu)
 
 SAMPLES = SOURCE / "tests" / "regression" / "deal_ii_fields"
@@ -65,7 +65,7 @@ class Slopes(unittest.TestCase):
 
     def test_quantiles_of_student(self):
         for degrees, value in ((1, 12.7062), (2, 4.30265), (10, 2.22814), (120, 1.97993)):  # tables, six digits
-            self.assertAlmostEqual(creep.compute_t_quantile(degrees) / value, 1., delta=1e-4)
+            self.assertAlmostEqual(curves.compute_t_quantile(degrees) / value, 1., delta=1e-4)
 
     def test_too_few_rows_give_no_slope(self):
         row = print_slopes(plot_runs.write_rev_run(self.folder / "run"), "--decades", 7, 8)[0]

@@ -3,17 +3,14 @@
 import numpy as np
 
 from runs import RunFolder  # noqa: F401 (puts apps/ on the path)
+from plotting.curves import sample_steps
 from plotting.run_folder import select_creep
 
 
 def sample(run, times, strain=None):
-    """Axial creep strain [-] at times [s] since the start of creep: that of the last equilibrium by then, since strain
-    moves in steps. NaN before the first row and after the last."""
+    """Axial creep strain [-] at times [s] since the start of creep, step by step."""
     creep = select_creep(run, strain=strain)
-    last = np.searchsorted(creep.time, np.asarray(times) * (1 + 1e-9), side="right") - 1
-    values = creep.strain[np.maximum(last, 0)].astype(float)
-    values[(last < 0) | (np.asarray(times) > creep.time[-1] * (1 + 1e-9))] = np.nan
-    return values
+    return sample_steps(creep.time, creep.strain, times)
 
 
 def make_times(first_decade, last_decade, points_per_decade):
