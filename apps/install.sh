@@ -11,6 +11,7 @@ packages=(
   libcli11-dev libfmt-dev nlohmann-json3-dev                # command line and summaries
   libgtest-dev libbenchmark-dev                             # tests
   python3 python3-numpy python3-h5py python3-matplotlib     # figures
+  python3-pandas                                            # the recipes of docs/cookbook.md
 )
 
 fail()
