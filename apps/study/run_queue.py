@@ -72,7 +72,8 @@ class RunQueue:
         (folder / "outcome.json").unlink(missing_ok=True)
         if is_resumed:
             command = [self._program, "--resume", folder]
-        else:
+        else:  # an earlier attempt's checkpoint must not be taken for this one's, should it be interrupted in turn
+            (folder / "checkpoint.h5").unlink(missing_ok=True)
             command = [self._program, self._case, "--output", folder, "--overwrite"]
             command += [part for path, value in run.settings for part in ("--set", f"{path}={value}")]
         with open(folder / "run.log", "ab" if is_resumed else "wb") as log:

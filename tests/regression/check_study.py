@@ -110,6 +110,9 @@ class Interruption(StudyTest):
         while any(wanted in command for command in list_commands()):
             self.assertLess(time.monotonic(), limit, "a run has outlived its study")
             time.sleep(0.01)
+        cut_off = [path for path in self.output.glob("runs/*") if not (path / "outcome.json").exists()]
+        self.assertEqual(len(cut_off), 1)
+        self.assertFalse((cut_off[0] / "summary.json").exists(), "a run went on to its end without its study")
 
     def test_killed_and_resumed_has_the_same_histories(self):
         study = self.write_study(seeds={"first": 1, "count": 3})
