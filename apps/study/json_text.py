@@ -65,8 +65,10 @@ class JsonText:
     def _read_object(self, position, place):
         value, position = {}, self._skip(position)
         while self.text[position] != "}":
+            line = self.text.count("\n", 0, position) + 1
             key, position = scanstring(self.text, position + 1)
             if key in value:
+                self._lines[join(place, key)] = line
                 self.reject(join(place, key), f"key '{key}' is given twice")
             position = self._skip(self._skip(position) + 1)  # behind the colon
             value[key], position = self._read(position, join(place, key))

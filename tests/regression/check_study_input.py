@@ -127,7 +127,7 @@ class BadStudy(StudyTest):
                             (sound[:40], ["not valid JSON"]), ("", ["not valid JSON"]),
                             ("[1]", ["line 1", "[1]", "object"]), ("[" * 100000, ["study.json"]),
                             (sound.replace("1,", "NaN,", 1), ["NaN", "line"]),
-                            (sound.replace('"seeds"', '"seeds": [3], "seeds"'), ["seeds", "twice"])):
+                            (sound.replace('"seeds"', '"seeds": [3],\n\n"seeds"'), ["line 5", "seeds", "twice"])):
             with self.subTest(text[:60]):
                 study.write_text(text)
                 self.expect_refusal(words, study)
