@@ -9,7 +9,7 @@ import unittest
 from pathlib import Path
 
 SKIPPED = 77  # CTest's SKIP_RETURN_CODE
-PATIENCE = 120  # [s] for what takes a few on an idle machine
+PATIENCE = 300  # [s] for what takes ten on an idle machine
 
 CASE = """set Number of stages = 2
 subsection Packing
