@@ -10,19 +10,20 @@ namespace dem
   namespace
   {
     template <bool is_rough, bool is_rotation_free>
-    ContactSums compute_block(const ForceTask &task, const GrainBlock &block, ContactNetwork &network, Forces &forces)
+    ContactSums compute_block(const ForceTask &task, const GrainBlock &block, ContactNetwork &network, Forces &forces,
+                              const ForceRows &rows)
     {
-      std::fill(forces.force.begin() + block.grain_begin, forces.force.begin() + block.grain_end, Row{});
+      std::fill(rows.force + block.grain_begin, rows.force + block.grain_end, Row{});
       if constexpr (is_rotation_free)
-        std::fill(forces.torque.begin() + block.grain_begin, forces.torque.begin() + block.grain_end, Row{});
-      PairLoop<is_rough, is_rotation_free> loop(task, network, forces);
+        std::fill(rows.torque + block.grain_begin, rows.torque + block.grain_end, Row{});
+      PairLoop<is_rough, is_rotation_free> loop(task, network, forces, rows);
       loop.run_near(block);
       loop.run_far(block);
       return loop.finish();
     }
 
     void take_incoming(const GrainBlock &block, const ContactNetwork &network, const std::vector<Row> &far,
-                       std::vector<Row> &rows)
+                       Row *const rows)
     {
       for (std::size_t k = block.incoming_begin; k < block.incoming_end; ++k)
         {
@@ -32,7 +33,7 @@ namespace dem
     }
 
     /** Sum of the fourth numbers, grain by grain: it must not depend on which pairs share a vector. */
-    double sum_stiffness(const std::vector<Row> &rows, const GrainBlock &block)
+    double sum_stiffness(const Row *const rows, const GrainBlock &block)
     {
       RowLanes even{}, odd{};
       std::size_t i = block.grain_begin;
@@ -46,6 +47,12 @@ namespace dem
       return even[3] + odd[3];
     }
 
+    /** Rows from `first` on as if they belonged to the grains from `grain` on. */
+    Row *shift_rows(Row *const first, const std::size_t grain)
+    {
+      return reinterpret_cast<Row *>(reinterpret_cast<std::uintptr_t>(first) - grain * sizeof(Row));
+    }
+
     /** What is to be done with the blocks of a network, in an order that threads agree upon. */
     class BlockRun
     {
@@ -54,35 +61,59 @@ namespace dem
           : task_(task), network_(network), forces_(forces), is_complete_(is_complete)
       {}
 
-      /** The pairs of block k. */
-      void compute(const std::size_t k) const
+      /** The pairs of blocks from `begin` to `end`, and all of those blocks that no earlier one reaches into. */
+      void compute(const std::size_t begin, const std::size_t end, const std::size_t thread) const
       {
-        forces_.block_sums[k] = compute_(task_, network_.blocks[k], network_, forces_);
+        for (std::size_t k = begin; k < end; ++k)
+          {
+            // Pairs reach forwards only: a block is complete after its own, unless another thread's reach into it.
+            const bool is_complete = network_.blocks[k].first_source >= begin;
+            const ForceRows rows = is_complete && is_complete_ ? get_passing_rows(k, thread) : forces_.get_rows();
+            forces_.block_sums[k] = compute_(task_, network_.blocks[k], network_, forces_, rows);
+            if (is_complete)
+              finish(k, rows);
+          }
       }
 
-      /** Gives the grains of block k what far pairs of other blocks do to them. @pre those have been computed */
-      void finish(const std::size_t k) const
+      /** The blocks that other threads' pairs reach into. @pre all pairs have been computed */
+      void complete(const std::size_t begin, const std::size_t end) const
       {
-        const GrainBlock &block = network_.blocks[k];
-        take_incoming(block, network_, forces_.far_force, forces_.force);
-        forces_.block_sums[k].stiffness = sum_stiffness(forces_.force, block);
-        if (task_.motion.is_rotation_free)
-          {
-            take_incoming(block, network_, forces_.far_torque, forces_.torque);
-            forces_.block_sums[k].turning_stiffness = sum_stiffness(forces_.torque, block);
-          }
-        if (is_complete_)
-          is_complete_(k);
+        for (std::size_t k = begin; k < end; ++k)
+          if (network_.blocks[k].first_source < begin)
+            finish(k, forces_.get_rows());
       }
 
     private:
-      using Compute = ContactSums (*)(const ForceTask &, const GrainBlock &, ContactNetwork &, Forces &);
+      using Compute = ContactSums (*)(const ForceTask &, const GrainBlock &, ContactNetwork &, Forces &,
+                                      const ForceRows &);
 
       static Compute choose(const bool is_rough, const bool is_rotation_free)
       {
         if (is_rough)
           return is_rotation_free ? compute_block<true, true> : compute_block<true, false>;
         return is_rotation_free ? compute_block<false, true> : compute_block<false, false>;
+      }
+
+      ForceRows get_passing_rows(const std::size_t k, const std::size_t thread) const
+      {
+        const std::size_t grain = network_.blocks[k].grain_begin, first = thread * grains_per_block;
+        return {shift_rows(forces_.passing_force.data() + first, grain),
+                shift_rows(forces_.passing_torque.data() + first, grain)};
+      }
+
+      /** Gives the grains of block k what far pairs of other blocks do to them. */
+      void finish(const std::size_t k, const ForceRows &rows) const
+      {
+        const GrainBlock &block = network_.blocks[k];
+        take_incoming(block, network_, forces_.far_force, rows.force);
+        forces_.block_sums[k].stiffness = sum_stiffness(rows.force, block);
+        if (task_.motion.is_rotation_free)
+          {
+            take_incoming(block, network_, forces_.far_torque, rows.torque);
+            forces_.block_sums[k].turning_stiffness = sum_stiffness(rows.torque, block);
+          }
+        if (is_complete_)
+          is_complete_(k, rows);
       }
 
       const ForceTask &task_;
@@ -121,15 +152,17 @@ namespace dem
           }
     }
 
-    void make_room(const ForceTask &task, const ContactNetwork &network, Forces &forces)
+    void make_room(const ForceTask &task, const ContactNetwork &network, const std::size_t n_threads, Forces &forces)
     {
       const std::size_t n_grains = task.state.grains.size(), n_far = network.n_far;
       forces.force.resize(n_grains);
       forces.far_force.resize(n_far);
+      forces.passing_force.resize(n_threads * grains_per_block);
       if (task.motion.is_rotation_free)
         {
           forces.torque.resize(n_grains);
           forces.far_torque.resize(n_far);
+          forces.passing_torque.resize(n_threads * grains_per_block);
         }
       if (task.motion.has_contact_stress)
         {
@@ -143,25 +176,13 @@ namespace dem
   ContactSums compute_contact_forces(const ForceTask &task, ContactNetwork &network, Forces &forces, Team &team,
                                      const BlockHook &is_complete)
   {
-    make_room(task, network, forces);
-    BlockRun run(task, network, forces, is_complete);
     const std::size_t n_blocks = network.blocks.size(), n_threads = team.size();
+    make_room(task, network, n_threads, forces);
+    const BlockRun run(task, network, forces, is_complete);
     const auto begin = [&](const std::size_t number) { return n_blocks * number / n_threads; };
-    // Pairs reach forwards only: a block is complete after its own pairs, unless another thread's reach into it.
-    team.run(n_threads, [&](const std::size_t number) {
-      for (std::size_t k = begin(number); k < begin(number + 1); ++k)
-        {
-          run.compute(k);
-          if (network.blocks[k].first_source >= begin(number))
-            run.finish(k);
-        }
-    });
+    team.run(n_threads, [&](const std::size_t number) { run.compute(begin(number), begin(number + 1), number); });
     if (n_threads > 1)
-      team.run(n_threads, [&](const std::size_t number) {
-        for (std::size_t k = begin(number); k < begin(number + 1); ++k)
-          if (network.blocks[k].first_source < begin(number))
-            run.finish(k);
-      });
+      team.run(n_threads, [&](const std::size_t number) { run.complete(begin(number), begin(number + 1)); });
     if (task.motion.has_contact_stress)
       update_largest_stress(network, task.state.grains, forces);
     return add_up(forces.block_sums);

@@ -19,6 +19,12 @@ namespace dem
     std::size_t n_touching = 0;
   };
 
+  /** Where the forces and torques on grains lie, found by the number of a grain; of one block alone, or of all. */
+  struct ForceRows
+  {
+    Row *force, *torque;
+  };
+
   /** What acts on the grains, and room for its computation. */
   struct Forces
   {
@@ -28,9 +34,12 @@ namespace dem
     std::vector<double> largest_stress; ///< per grain, of N/(pi r' d) over its contacts [Pa]; filled when
                                         ///< Motion::has_contact_stress
 
-    std::vector<Row> far_force, far_torque;    ///< what each far pair does to its second grain [N; N m]
-    std::vector<double> normal_force, overlap; ///< of each pair [N; m]; filled when Motion::has_contact_stress
+    std::vector<Row> far_force, far_torque;         ///< what each far pair does to its second grain [N; N m]
+    std::vector<double> normal_force, overlap;      ///< of each pair [N; m]; filled when Motion::has_contact_stress
+    std::vector<Row> passing_force, passing_torque; ///< of the one block that each thread has at hand
     std::vector<ContactSums> block_sums;
+
+    ForceRows get_rows() { return {force.data(), torque.data()}; }
   };
 
   /** How the grains have moved since forces were last computed. */
@@ -50,9 +59,9 @@ namespace dem
     const Motion &motion;
   };
 
-  /** Called with the number of a block once nothing will add to the forces of its grains, nor look at where they are.
-   */
-  using BlockHook = std::function<void(std::size_t)>;
+  /** Called with the number of a block and what acts on its grains, once nothing will add to that, nor look at where
+   * they are. */
+  using BlockHook = std::function<void(std::size_t, const ForceRows &)>;
 
   /**
    * The hot loop: forces of all touching pairs, their shear history brought up to date (docs/theory.md Eq. 12-13).
@@ -61,7 +70,8 @@ namespace dem
    * with the contact plane (and with the grains' mean spin about the normal when they turn), grows by kt du_t with the
    * current kn, and is capped at mu N. The team shares the blocks of the network; the sums do not depend on its size.
    *
-   * @param is_complete  by the thread that has the block in its cache; may move its grains
+   * @param is_complete  by the thread that has the block in its cache; may move its grains. Then forces and torques are
+   *                     not kept: they would pass through memory for nobody
    */
   ContactSums compute_contact_forces(const ForceTask &task, ContactNetwork &network, Forces &forces, Team &team,
                                      const BlockHook &is_complete = {});

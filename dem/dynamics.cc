@@ -108,18 +108,18 @@ namespace dem
     has_masses_ = true;
   }
 
-  void Dynamics::move_block(const std::size_t k)
+  void Dynamics::move_block(const std::size_t k, const ForceRows &rows)
   {
     const GrainBlock &block = network_.blocks[k];
-    block_steps_[k] = advance_grains(state_.grains, block.grain_begin, block.grain_end,
-                                     {state_.cell, forces_, kinetics_, rule_.motion});
+    block_steps_[k] =
+        advance_grains(state_.grains, block.grain_begin, block.grain_end, {state_.cell, rows, kinetics_, rule_.motion});
   }
 
   void Dynamics::move()
   {
     const Stopwatch watch(profile_[Part::motion]);
     block_steps_.resize(network_.blocks.size());
-    team_.run(network_.blocks.size(), [this](const std::size_t k) { move_block(k); });
+    team_.run(network_.blocks.size(), [this](const std::size_t k) { move_block(k, forces_.get_rows()); });
   }
 
   void Dynamics::compute_forces_and_move()
@@ -134,7 +134,7 @@ namespace dem
       return;
     block_steps_.resize(network_.blocks.size());
     sums_ = compute_contact_forces({state_, law_, motion_}, network_, forces_, team_,
-                                   [this](const std::size_t k) { move_block(k); });
+                                   [this](const std::size_t k, const ForceRows &rows) { move_block(k, rows); });
   }
 
   void Dynamics::strain(const Matrix &increment)
@@ -177,7 +177,8 @@ namespace dem
   {
     return network_.count_bytes() + search_.count_bytes() +
            dem::count_bytes(forces_.force, forces_.torque, forces_.largest_stress, forces_.far_force,
-                            forces_.far_torque, forces_.normal_force, forces_.overlap, forces_.block_sums);
+                            forces_.far_torque, forces_.passing_force, forces_.passing_torque, forces_.normal_force,
+                            forces_.overlap, forces_.block_sums);
   }
 
   Matrix Dynamics::compute_stress() const

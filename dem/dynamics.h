@@ -32,7 +32,8 @@ namespace dem
     /** Moves grains by their forces. */
     void move();
 
-    /** For cycles in which nobody asks before the grains move on: each block moves while it lies in the cache. */
+    /** For cycles in which nobody asks before the grains move on: each block moves while it lies in the cache. Stress
+     * and stiffness are known afterwards; forces and what follows from them are not. */
     void compute_forces_and_move();
 
     /** Strains the cell, F <- (1 + increment) F, and ends the cycle. */
@@ -71,7 +72,7 @@ namespace dem
   private:
     void build_network();
     void update_network();
-    void move_block(std::size_t k);
+    void move_block(std::size_t k, const ForceRows &rows);
 
     RevState &state_;
     const ContactLaw &law_;

@@ -60,7 +60,7 @@ namespace dem
       const bool is_true = task.rule.has_true_masses;
       for (std::size_t i = begin; i < end; ++i)
         {
-          const RowLanes torque = load_row(task.forces.torque[i]), spin = load_row(grains.spin[i]);
+          const RowLanes torque = load_row(task.rows.torque[i]), spin = load_row(grains.spin[i]);
           const double inertia = is_true ? spin[3] : std::max(torque[3], smallest);
           store_row(grains.spin[i], accelerate(spin, torque, dt / inertia, task.rule.local_damping));
         }
@@ -96,7 +96,7 @@ namespace dem
     RowLanes largest_square{};
     for (std::size_t i = begin; i < end; ++i)
       {
-        const RowLanes force = load_row(task.forces.force[i]), before = load_row(grains.velocity[i]);
+        const RowLanes force = load_row(task.rows.force[i]), before = load_row(grains.velocity[i]);
         const double mass = is_true ? before[3] : std::max(force[3], smallest);
         const RowLanes v = accelerate(before, force, dt / mass, task.rule.local_damping);
         store_row(grains.velocity[i], v);

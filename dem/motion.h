@@ -38,7 +38,7 @@ namespace dem
   struct MotionTask
   {
     const Cell &cell;
-    const Forces &forces;
+    const ForceRows rows;
     const Kinetics &kinetics;
     const MotionRule &rule;
   };

@@ -23,10 +23,11 @@ namespace dem
   class PairLoop
   {
   public:
-    PairLoop(const ForceTask &task, ContactNetwork &network, Forces &forces)
+    /** @param rows  of the grains of the block */
+    PairLoop(const ForceTask &task, ContactNetwork &network, Forces &forces, const ForceRows &rows)
         : law_(task.law), grains_(task.state.grains), edges_(task.state.cell.edges),
           strain_(task.motion.strain_increment), time_step_(task.motion.time_step),
-          has_contact_stress_(task.motion.has_contact_stress), network_(network), forces_(forces)
+          has_contact_stress_(task.motion.has_contact_stress), network_(network), forces_(forces), rows_(rows)
     {}
 
     /** Near pairs: both grains get their force at once. */
@@ -158,7 +159,7 @@ namespace dem
       const LaneVector force = add(shear_[i], -normal.force, unit_[i]);
       add_to_sums(i, force);
       const std::uint32_t *const a = &network_.a[k], *const b = &network_.b[k];
-      Row *const forces = forces_.force.data(), *const far_forces = forces_.far_force.data() + far;
+      Row *const forces = rows_.force, *const far_forces = forces_.far_force.data() + far;
       give_rows({force.x, force.y, force.z, normal.stiffness}, [=](const int j, const RowLanes row) {
         add_row(forces[a[j]], row);
         const RowLanes opposite = reinterpret_cast<RowLanes>(reinterpret_cast<RowMask>(row) ^ opposite_force);
@@ -178,7 +179,7 @@ namespace dem
       const auto *const arm_a = reinterpret_cast<const LaneArray *>(&arm_a_[i]),
                         *const arm_b = reinterpret_cast<const LaneArray *>(&arm_b_[i]);
       const std::uint32_t *const a = &network_.a[k], *const b = &network_.b[k];
-      Row *const torques = forces_.torque.data(), *const far_torques = forces_.far_torque.data() + far;
+      Row *const torques = rows_.torque, *const far_torques = forces_.far_torque.data() + far;
       const Lanes stiffness = 0.5 * (arm_a_[i] + arm_b_[i]) * normal_[i].stiffness;
       give_rows({moment.x, moment.y, moment.z, stiffness}, [=](const int j, const RowLanes row) {
         add_row(torques[a[j]], (*arm_a)[j] * row);
@@ -210,6 +211,7 @@ namespace dem
     const bool has_contact_stress_;
     ContactNetwork &network_;
     Forces &forces_;
+    const ForceRows rows_;
 
     std::size_t n_vectors_ = 0; // in the buffer now
     LaneMask is_touching_[buffer_size];

@@ -21,9 +21,9 @@ namespace
   }
 
   /** All grains by one step. */
-  double advance(RevState &state, const Forces &forces, const Kinetics &kinetics, const MotionRule &rule)
+  double advance(RevState &state, Forces forces, const Kinetics &kinetics, const MotionRule &rule)
   {
-    return advance_grains(state.grains, 0, state.grains.size(), {state.cell, forces, kinetics, rule});
+    return advance_grains(state.grains, 0, state.grains.size(), {state.cell, forces.get_rows(), kinetics, rule});
   }
 
   TEST(Motion, DampingTakesFromWhatDrivesAndAddsToWhatBrakes)

@@ -94,6 +94,8 @@ namespace
         dynamics.compute_forces();
         dynamics.move();
       }
+    dynamics.strain(increment);
+    dynamics.compute_forces(); // after which the unbalanced ratio is known
     dynamics.store();
     return state;
   }
