@@ -37,8 +37,9 @@ namespace dem
   std::vector<std::size_t> advance_cracks(Grains &grains, const double dt)
   {
     std::vector<std::size_t> broken;
+    // A time just above dt can still grow a crack through by rounding: left whole, the grain would have no time left.
     for (const auto &[time, place] : sort_times_to_fracture(grains))
-      if (time <= dt)
+      if (time <= dt || grains.crack_half_length[place] + grains.crack_velocity[place] * dt >= grains.place[place].w)
         broken.push_back(place);
     for (std::size_t i = 0; i < grains.size(); ++i)
       grains.crack_half_length[i] += grains.crack_velocity[i] * dt;
