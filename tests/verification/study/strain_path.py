@@ -63,7 +63,7 @@ def make_rev_stages(strains):
     settings = {"Number of stages": len(strains)}
     for k, strain in enumerate(strains, start=1):
         settings |= {f"Stage {k}/Kind": "strain path", f"Stage {k}/Strain": f"0, 0, {strain:.17g}, 0, 0, 0",
-                     f"Stage {k}/Increments": 1, f"Stage {k}/Duration": 0}
+                     f"Stage {k}/Stress": 0, f"Stage {k}/Increments": 1, f"Stage {k}/Duration": 0}
     return settings
 
 
