@@ -39,5 +39,5 @@ export OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 DEAL_II_NUM_THREADS=1
 step "run on $ranks processes, into $run"
 mpirun -n "$ranks" build/release/slowsand-bvp "$case_file" --output "$run"
 step "figures"
-/usr/bin/python3 apps/slowsand-plot "$run"
+/usr/bin/python3 apps/slowsand-plot "$run" --figures creep,compression,grading,stress_path,specimen,rev
 step "done; history in $run/history.csv, mesh and fields in $run/fields.pvd (ParaView)"
