@@ -47,6 +47,13 @@ namespace dem
       return even[3] + odd[3];
     }
 
+    /** Grains of the largest block: blocks differ by one at most. */
+    std::size_t count_largest_block(const ContactNetwork &network)
+    {
+      const std::size_t n_grains = network.blocks.back().grain_end, n_blocks = network.blocks.size();
+      return (n_grains + n_blocks - 1) / n_blocks;
+    }
+
     /** Rows from `first` on as if they belonged to the grains from `grain` on. */
     Row *shift_rows(Row *const first, const std::size_t grain)
     {
@@ -96,7 +103,7 @@ namespace dem
 
       ForceRows get_passing_rows(const std::size_t k, const std::size_t thread) const
       {
-        const std::size_t grain = network_.blocks[k].grain_begin, first = thread * grains_per_block;
+        const std::size_t grain = network_.blocks[k].grain_begin, first = thread * count_largest_block(network_);
         return {shift_rows(forces_.passing_force.data() + first, grain),
                 shift_rows(forces_.passing_torque.data() + first, grain)};
       }
@@ -157,12 +164,12 @@ namespace dem
       const std::size_t n_grains = task.state.grains.size(), n_far = network.n_far;
       forces.force.resize(n_grains);
       forces.far_force.resize(n_far);
-      forces.passing_force.resize(n_threads * grains_per_block);
+      forces.passing_force.resize(n_threads * count_largest_block(network));
       if (task.motion.is_rotation_free)
         {
           forces.torque.resize(n_grains);
           forces.far_torque.resize(n_far);
-          forces.passing_torque.resize(n_threads * grains_per_block);
+          forces.passing_torque.resize(n_threads * count_largest_block(network));
         }
       if (task.motion.has_contact_stress)
         {
