@@ -82,13 +82,8 @@ namespace dem
           }
       }
 
-      /** The blocks that other threads' pairs reach into. @pre all pairs have been computed */
-      void complete(const std::size_t begin, const std::size_t end) const
-      {
-        for (std::size_t k = begin; k < end; ++k)
-          if (network_.blocks[k].first_source < begin)
-            finish(k, forces_.get_rows());
-      }
+      /** A block that other threads' pairs reach into. @pre all pairs have been computed */
+      void complete(const std::size_t k) const { finish(k, forces_.get_rows()); }
 
     private:
       using Compute = ContactSums (*)(const ForceTask &, const GrainBlock &, ContactNetwork &, Forces &,
@@ -159,6 +154,30 @@ namespace dem
           }
     }
 
+    /** First block of a thread's share of the pairs. */
+    std::size_t find_share(const ContactNetwork &network, const std::size_t number, const std::size_t n_threads)
+    {
+      if (number == n_threads)
+        return network.blocks.size();
+      const auto is_before = [](const GrainBlock &block, const std::size_t pair) { return block.near_begin < pair; };
+      const auto begin = network.blocks.begin(), end = network.blocks.end();
+      return std::lower_bound(begin, end, network.size() * number / n_threads, is_before) - begin;
+    }
+
+    /** Blocks that pairs of another thread reach into: complete once all pairs have been computed. */
+    std::vector<std::size_t> list_incomplete(const ContactNetwork &network, const std::size_t n_threads)
+    {
+      std::vector<std::size_t> blocks;
+      for (std::size_t number = 1; number < n_threads; ++number)
+        {
+          const std::size_t begin = find_share(network, number, n_threads);
+          for (std::size_t k = begin; k < find_share(network, number + 1, n_threads); ++k)
+            if (network.blocks[k].first_source < begin)
+              blocks.push_back(k);
+        }
+      return blocks;
+    }
+
     void make_room(const ForceTask &task, const ContactNetwork &network, const std::size_t n_threads, Forces &forces)
     {
       const std::size_t n_grains = task.state.grains.size(), n_far = network.n_far;
@@ -183,13 +202,14 @@ namespace dem
   ContactSums compute_contact_forces(const ForceTask &task, ContactNetwork &network, Forces &forces, Team &team,
                                      const BlockHook &is_complete)
   {
-    const std::size_t n_blocks = network.blocks.size(), n_threads = team.size();
+    const std::size_t n_threads = team.size();
     make_room(task, network, n_threads, forces);
     const BlockRun run(task, network, forces, is_complete);
-    const auto begin = [&](const std::size_t number) { return n_blocks * number / n_threads; };
-    team.run(n_threads, [&](const std::size_t number) { run.compute(begin(number), begin(number + 1), number); });
-    if (n_threads > 1)
-      team.run(n_threads, [&](const std::size_t number) { run.complete(begin(number), begin(number + 1)); });
+    team.run(n_threads, [&](const std::size_t number) {
+      run.compute(find_share(network, number, n_threads), find_share(network, number + 1, n_threads), number);
+    });
+    const std::vector<std::size_t> rest = list_incomplete(network, n_threads);
+    team.run(rest.size(), [&](const std::size_t i) { run.complete(rest[i]); });
     if (task.motion.has_contact_stress)
       update_largest_stress(network, task.state.grains, forces);
     return add_up(forces.block_sums);

@@ -16,7 +16,7 @@ namespace dem
     void make_blocks(ContactNetwork &network, const std::size_t n_grains)
     {
       const std::size_t n_full = (n_grains + grains_per_block - 1) / grains_per_block;
-      const std::size_t n_blocks = n_full < 2 ? 1 : n_full + n_full % 2;
+      const std::size_t n_blocks = n_full <= 2 ? 1 : n_full + n_full % 2;
       network.blocks.resize(n_blocks);
       for (std::size_t k = 0; k < n_blocks; ++k)
         {

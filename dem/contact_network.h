@@ -10,7 +10,7 @@
 
 namespace dem
 {
-  inline constexpr std::size_t grains_per_block = 1024; ///< at most
+  inline constexpr std::size_t grains_per_block = 512; ///< at most; a REV of twice as many is still one block
 
   /** What a candidate pair is at the moment. */
   enum class PairStatus : std::uint8_t

@@ -39,6 +39,8 @@ namespace dem
 
   void Team::run(const std::size_t n_tasks, const std::function<void(std::size_t)> &task)
   {
+    if (n_tasks == 0)
+      return;
     task_ = &task;
     n_tasks_ = n_tasks;
     n_busy_.store(helpers_.size(), std::memory_order_relaxed);
