@@ -94,7 +94,8 @@ namespace
     dem::Matrix increment = benchmarks::compute_strain_increment(protocol, 1.2e-8);
     for (std::size_t cycle = 1; cycle <= n_cycles; ++cycle)
       {
-        dynamics.advance(increment);
+        dynamics.move();
+        dynamics.strain(increment);
         dynamics.compute_forces();
         if (is_rough)
           dynamics.refresh_masses();

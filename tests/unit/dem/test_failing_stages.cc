@@ -5,6 +5,7 @@
 #include "dem/stage_path.h"
 
 #include "tests/support/rev_cases.h"
+#include "tests/support/stage_cases.h"
 
 #include <gtest/gtest.h>
 
@@ -17,36 +18,11 @@ namespace
 
   constexpr double pressure = 2e6; // [Pa]
 
-  LaboratoryStage make_stage(const StageKind kind)
-  {
-    LaboratoryStage stage;
-    stage.name = "test";
-    stage.kind = kind;
-    stage.n_increments = 6;
-    return stage;
-  }
-
-  LaboratoryStage make_isotropic(const double stress = pressure)
-  {
-    LaboratoryStage stage = make_stage(StageKind::isotropic);
-    stage.stress = stress;
-    return stage;
-  }
-
-  struct ProgrammeRun
-  {
-    LaboratoryOutcome outcome = LaboratoryOutcome::finished;
-    LaboratoryPosition position;
-    std::vector<Observation> observations;
-  };
-
   ProgrammeRun run(Rev &rev, const std::vector<LaboratoryStage> &stages, const LaboratoryPosition &position = {})
   {
     ProgrammeRun result;
     result.position = position;
-    LaboratoryObserver observer;
-    observer.observe = [&](const Observation &observation) { result.observations.push_back(observation); };
-    result.outcome = run_programme(rev, stages, LaboratoryRule{}, observer, result.position);
+    go_on(rev, stages, result);
     return result;
   }
 
@@ -77,7 +53,7 @@ namespace
     creep.held = HeldStress::all_normal;
     creep.duration = 1e18;
     creep.points_per_decade = 1;
-    LaboratoryStage isotropic = make_isotropic();
+    LaboratoryStage isotropic = make_isotropic(pressure);
     isotropic.n_increments = 8;
     const std::vector<LaboratoryStage> stages = {isotropic, search, share, creep};
     const ProgrammeRun first = run(rev, stages);
@@ -107,7 +83,7 @@ namespace
     Rev rev = make_rev(model, get_wide_packing());
     LaboratoryStage stage = make_stage(StageKind::triaxial);
     stage.deviatoric_stress = 20. * pressure;
-    const ProgrammeRun result = run(rev, {make_isotropic(), stage});
+    const ProgrammeRun result = run(rev, {make_isotropic(pressure), stage});
     EXPECT_EQ(result.outcome, LaboratoryOutcome::not_reached) << describe(result.outcome);
     EXPECT_TRUE(are_equal_bits(rev.get_baseline(), rev.get_committed()));
     EXPECT_LT(rev.get_committed().unbalanced_ratio, 1e-4);
@@ -136,7 +112,7 @@ namespace
     model.equilibrium.strain_per_cycle = 1e-3; // so that the bound on strain does not tame it
     model.equilibrium.cycle_cap = 3000;
     Rev rev = make_rev(model, get_packing().state);
-    const ProgrammeRun result = run(rev, {make_isotropic()});
+    const ProgrammeRun result = run(rev, {make_isotropic(pressure)});
     EXPECT_EQ(result.outcome, LaboratoryOutcome::servo_unstable) << describe(result.outcome);
   }
 
@@ -151,11 +127,11 @@ namespace
     EXPECT_EQ(judge(creep), LaboratoryOutcome::finished);
     end.strain = end.strain_of_stage = 0.051; // above the flow strain of 0.05
     EXPECT_EQ(judge(creep), LaboratoryOutcome::ruptured);
-    EXPECT_EQ(judge(make_isotropic()), LaboratoryOutcome::finished); // a load may strain as it comes to rest
+    EXPECT_EQ(judge(make_isotropic(pressure)), LaboratoryOutcome::finished); // a load may strain as it comes to rest
     EXPECT_EQ(judge(path), LaboratoryOutcome::finished);
     end.rest.status = RestStatus::cap_reached;
     EXPECT_EQ(judge(creep), LaboratoryOutcome::ruptured);
-    EXPECT_EQ(judge(make_isotropic()), LaboratoryOutcome::not_reached);
+    EXPECT_EQ(judge(make_isotropic(pressure)), LaboratoryOutcome::not_reached);
     EXPECT_EQ(judge(path), LaboratoryOutcome::no_equilibrium);
     end.rest.largest_deviation[2] = 1.1e6; // to one side
     EXPECT_EQ(judge(creep), LaboratoryOutcome::ruptured);
@@ -170,7 +146,7 @@ namespace
     EXPECT_EQ(judge(creep), LaboratoryOutcome::no_equilibrium);
     end.rest.status = RestStatus::at_rest;
     end.strain_of_stage = 0.51; // above the largest strain of 0.5
-    EXPECT_EQ(judge(make_isotropic()), LaboratoryOutcome::not_reached);
+    EXPECT_EQ(judge(make_isotropic(pressure)), LaboratoryOutcome::not_reached);
     EXPECT_EQ(judge(creep), LaboratoryOutcome::finished); // creep may go far, bit by bit
   }
 } // namespace

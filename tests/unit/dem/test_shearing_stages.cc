@@ -5,6 +5,7 @@
 #include "dem/stage_path.h"
 
 #include "tests/support/rev_cases.h"
+#include "tests/support/stage_cases.h"
 
 #include <gtest/gtest.h>
 
@@ -18,22 +19,6 @@ namespace
 
   constexpr double pressure = 2e6;         // [Pa]
   constexpr double servo_tolerance = 2e-3; // EquilibriumRule's default
-
-  LaboratoryStage make_stage(const StageKind kind)
-  {
-    LaboratoryStage stage;
-    stage.name = "test";
-    stage.kind = kind;
-    stage.n_increments = 6;
-    return stage;
-  }
-
-  LaboratoryStage make_isotropic()
-  {
-    LaboratoryStage stage = make_stage(StageKind::isotropic);
-    stage.stress = pressure;
-    return stage;
-  }
 
   LaboratoryStage make_search()
   {
@@ -49,24 +34,6 @@ namespace
     stage.strength_share = share;
     stage.strength = strength;
     return stage;
-  }
-
-  struct ProgrammeRun
-  {
-    LaboratoryOutcome outcome = LaboratoryOutcome::finished;
-    LaboratoryPosition position;
-    std::vector<Observation> observations;
-  };
-
-  /** Goes on from a position for n committed steps (0: to the end). */
-  void go_on(Rev &rev, const std::vector<LaboratoryStage> &stages, ProgrammeRun &run, const std::size_t n_steps = 0,
-             const LaboratoryRule &rule = {})
-  {
-    LaboratoryObserver observer;
-    std::size_t n = 0;
-    observer.observe = [&](const Observation &observation) { run.observations.push_back(observation); };
-    observer.committed = [&](const LaboratoryPosition &, double) { return ++n == n_steps; };
-    run.outcome = run_programme(rev, stages, rule, observer, run.position);
   }
 
   Rev make_small_rev(const RevModel &model = RevModel{})
@@ -85,7 +52,7 @@ namespace
     static const ProgrammeRun search = [] {
       ProgrammeRun run;
       Rev rev = make_small_rev();
-      go_on(rev, {make_isotropic(), make_search()}, run);
+      go_on(rev, {make_isotropic(pressure), make_search()}, run);
       return run;
     }();
     return search;
@@ -114,7 +81,7 @@ namespace
     LaboratoryStage stage = make_stage(StageKind::triaxial);
     stage.deviatoric_stress = 1.5e6;
     ProgrammeRun run;
-    go_on(rev, {make_isotropic(), stage}, run);
+    go_on(rev, {make_isotropic(pressure), stage}, run);
     ASSERT_EQ(run.outcome, LaboratoryOutcome::finished);
     const double tolerance = servo_tolerance * (pressure + 1.5e6);
     std::size_t n = 0;
@@ -136,7 +103,7 @@ namespace
     LaboratoryStage stage = make_stage(StageKind::constant_p);
     stage.axial_strain = 0.02;
     ProgrammeRun run;
-    go_on(rev, {make_isotropic(), stage}, run);
+    go_on(rev, {make_isotropic(pressure), stage}, run);
     ASSERT_EQ(run.outcome, LaboratoryOutcome::finished);
     const double start = -compute_logarithmic_strain(rev.get_committed().cell.deformation)(2, 2);
     EXPECT_NEAR(start, 0.02, 1e-13);
@@ -157,7 +124,7 @@ namespace
     LaboratoryStage stage = make_stage(StageKind::constant_p);
     stage.deviatoric_stress = 1e6;
     ProgrammeRun run;
-    go_on(rev, {make_isotropic(), stage}, run);
+    go_on(rev, {make_isotropic(pressure), stage}, run);
     ASSERT_EQ(run.outcome, LaboratoryOutcome::finished);
     const double tolerance = servo_tolerance * (pressure + 2. / 3. * 1e6);
     for (const Observation &observation : run.observations)
@@ -194,14 +161,14 @@ namespace
     // to a share of that number does without any search.
     Rev searched = make_small_rev(), plain = make_small_rev();
     ProgrammeRun first, second;
-    go_on(searched, {make_isotropic(), make_search()}, first);
-    go_on(plain, {make_isotropic()}, second);
+    go_on(searched, {make_isotropic(pressure), make_search()}, first);
+    go_on(plain, {make_isotropic(pressure)}, second);
     EXPECT_FALSE(first.position.before_search.has_value());
     EXPECT_TRUE(are_equal_bits(searched.get_committed(), plain.get_committed()));
 
     const double strength = first.position.strength;
-    go_on(searched, {make_isotropic(), make_search(), make_share(0.5)}, first);
-    go_on(plain, {make_isotropic(), make_share(0.5, strength)}, second);
+    go_on(searched, {make_isotropic(pressure), make_search(), make_share(0.5)}, first);
+    go_on(plain, {make_isotropic(pressure), make_share(0.5, strength)}, second);
     ASSERT_EQ(first.outcome, LaboratoryOutcome::finished);
     EXPECT_TRUE(are_equal_bits(searched.get_committed(), plain.get_committed()));
     // Two stresses, each within the servo's tolerance of the largest target.
@@ -218,7 +185,7 @@ namespace
     search.axial_strain = 0.02;
     search.n_increments = 4;
     ProgrammeRun run;
-    go_on(rev, {make_isotropic(), search}, run);
+    go_on(rev, {make_isotropic(pressure), search}, run);
     ASSERT_EQ(run.outcome, LaboratoryOutcome::finished);
     EXPECT_NEAR(compute_logarithmic_strain(rev.get_committed().cell.deformation)(2, 2), -0.02, 1e-13);
   }
@@ -239,7 +206,7 @@ namespace
     oedometric.n_increments = 2;
     LaboratoryStage share = make_share(0.4);
     share.n_increments = 2;
-    const std::vector<LaboratoryStage> stages = {make_isotropic(), search, share, strained, to_q, oedometric};
+    const std::vector<LaboratoryStage> stages = {make_isotropic(pressure), search, share, strained, to_q, oedometric};
     Rev whole_rev = make_small_rev();
     ProgrammeRun whole;
     go_on(whole_rev, stages, whole);
