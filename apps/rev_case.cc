@@ -95,6 +95,19 @@ namespace apps
       binder.leave();
     }
 
+    void bind_boundary(ParameterBinder &binder, RevParameters &parameters)
+    {
+      binder.enter("Boundary");
+      binder.bind_choice<dem::CellKind>(
+          "Kind", parameters.packing.cell_kind,
+          {{"periodic", dem::CellKind::periodic}, {"walls", dem::CellKind::rigid}},
+          "What bounds the REV: a periodic cell, or six rigid walls that a servo moves; between walls, held stresses "
+          "are those on the walls. Units: none.");
+      binder.bind("Wall friction", parameters.model.material.wall_friction, non_negative,
+                  "mu between a grain and a wall. Units: [-].");
+      binder.leave();
+    }
+
     void bind_laboratory(ParameterBinder &binder, RevCase &rev_case)
     {
       binder.enter("Laboratory");
@@ -129,11 +142,12 @@ namespace apps
     }
 
     /** Which of the REV's stages contradicts itself, as a mistake in the file. */
-    void check_stages(const ParameterBinder &binder, const std::vector<dem::LaboratoryStage> &stages)
+    void check_stages(const ParameterBinder &binder, const std::vector<dem::LaboratoryStage> &stages,
+                      const dem::CellKind kind)
     {
       try
         {
-          dem::check_programme(stages);
+          dem::check_programme(stages, kind);
         }
       catch (const dem::StageContradiction &error)
         {
@@ -159,6 +173,7 @@ namespace apps
         "REV number", rev_case.rev.model.identity.rev, non_negative,
         "Whose strengths and cracks are drawn: that of a Gauss point, to take its REV through a laboratory test. "
         "Units: [-].");
+    bind_boundary(binder, rev_case.rev);
     bind_laboratory(binder, rev_case);
     bind_breakage(binder, rev_case.breakage);
     for (unsigned int k = 0; k < n_stages; ++k)
@@ -172,7 +187,7 @@ namespace apps
           const int i = dem::tangent_index[m][0], j = dem::tangent_index[m][1];
           rev_case.stages[k].strain(i, j) = rev_case.stages[k].strain(j, i) = texts[k].strain[m];
         }
-    check_stages(binder, rev_case.stages);
+    check_stages(binder, rev_case.stages, rev_case.rev.packing.cell_kind);
     std::ostringstream text;
     binder.print(text);
     rev_case.parameters = text.str();

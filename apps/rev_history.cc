@@ -17,13 +17,15 @@ namespace apps
       columns.insert(columns.end(), more.begin(), more.end());
     }
 
-    Columns name_history_columns()
+    Columns name_history_columns(const dem::CellKind kind)
     {
       Columns columns = {"time_s", "stage", "kind", "cycles"};
       add(columns, name_tensor_columns("strain", ""));
       add(columns, name_tensor_columns("stress", "_Pa"));
       add(columns, {"void_ratio", "void_ratio_with_fines", "grains", "broken_instant", "broken_delayed", "coordination",
                     "unbalanced_ratio"});
+      if (kind == dem::CellKind::rigid)
+        add(columns, {"wall_stress_xx_Pa", "wall_stress_yy_Pa", "wall_stress_zz_Pa"});
       return columns;
     }
 
@@ -47,14 +49,12 @@ namespace apps
       return columns;
     }
 
-    const std::map<std::string, Columns> &get_tables()
+    std::map<std::string, Columns> name_tables(const dem::CellKind kind)
     {
-      static const std::map<std::string, Columns> tables = {
-          {"history.csv", name_history_columns()},
-          {"breakage.csv", name_breakage_columns()},
-          {"jumps.csv", name_jump_columns()},
-          {"fractures.csv", {"time_s", "stage", "cause", "grain", "generation", "diameter_m", "strength_Pa"}}};
-      return tables;
+      return {{"history.csv", name_history_columns(kind)},
+              {"breakage.csv", name_breakage_columns()},
+              {"jumps.csv", name_jump_columns()},
+              {"fractures.csv", {"time_s", "stage", "cause", "grain", "generation", "diameter_m", "strength_Pa"}}};
     }
 
     /** The six components that people read: compression-positive. */
@@ -72,15 +72,15 @@ namespace apps
     }
   } // namespace
 
-  RevHistory::RevHistory(const std::string &folder)
+  RevHistory::RevHistory(const std::string &folder, const dem::CellKind kind) : kind_(kind)
   {
-    for (const auto &[name, columns] : get_tables())
+    for (const auto &[name, columns] : name_tables(kind))
       tables_[name].file = std::make_unique<HistoryFile>(folder + "/" + name, columns);
   }
 
-  RevHistory::RevHistory(const std::string &folder, const RowCounts &kept)
+  RevHistory::RevHistory(const std::string &folder, const dem::CellKind kind, const RowCounts &kept) : kind_(kind)
   {
-    for (const auto &[name, columns] : get_tables())
+    for (const auto &[name, columns] : name_tables(kind))
       {
         const auto found = kept.find(name);
         if (found == kept.end())
@@ -108,6 +108,9 @@ namespace apps
     row.add(observation.void_ratio).add(observation.void_ratio_with_fines).add(observation.n_grains);
     row.add(observation.counters.broken_instant).add(observation.counters.broken_delayed);
     row.add(observation.coordination).add(observation.unbalanced_ratio);
+    if (kind_ == dem::CellKind::rigid)
+      for (const double stress : observation.wall_stress)
+        row.add(-stress + 0.);
     write_row("history.csv", row);
   }
 

@@ -16,7 +16,8 @@ namespace apps
 
   /**
    * The tables that a run of slowsand-rev writes, compression-positive, stages counted from 1 (docs/user-guide.md):
-   * history.csv, breakage.csv, jumps.csv, fractures.csv.
+   * history.csv, breakage.csv, jumps.csv, fractures.csv. Between walls the last columns of history.csv are the stresses
+   * on them.
    *
    * Every member throws std::runtime_error with path and cause when a file cannot be written.
    */
@@ -24,11 +25,11 @@ namespace apps
   {
   public:
     /** Starts new tables in a folder that is there. */
-    explicit RevHistory(const std::string &folder);
+    RevHistory(const std::string &folder, dem::CellKind kind);
 
     /** Goes on with tables after cutting them back. Throws BadInput if one is missing or has other columns.
      *  @param kept  rows of each that the checkpoint counts */
-    RevHistory(const std::string &folder, const RowCounts &kept);
+    RevHistory(const std::string &folder, dem::CellKind kind, const RowCounts &kept);
 
     void write(const dem::Observation &observation);
 
@@ -53,6 +54,7 @@ namespace apps
 
     void write_row(const std::string &name, const HistoryRow &row);
 
+    const dem::CellKind kind_;
     std::map<std::string, Table> tables_;
   };
 } // namespace apps

@@ -9,6 +9,7 @@
 #include "dem/snapshot.h"
 #include "dem/stage_path.h"
 #include "dem/stopwatch.h"
+#include "dem/wall_contacts.h"
 
 #include <fmt/format.h>
 
@@ -24,7 +25,7 @@ namespace apps
     {
       const RevParameters &parameters = rev_case.rev;
       if (!parameters.packing_file.empty())
-        return as_bad_input([&] { return dem::read_packing(parameters.packing_file); });
+        return as_bad_input([&] { return dem::read_packing(parameters.packing_file, parameters.packing.cell_kind); });
       progress.say(fmt::format("packing of {} grains: looking for the friction that gives e = {}",
                                parameters.packing.n_grains, parameters.packing.void_ratio));
       const dem::Packing packing =
@@ -102,7 +103,7 @@ namespace apps
         rev_ = std::make_unique<dem::Rev>(dem::make_rev(case_.rev.model, packing));
         folder_.prepare(case_.parameters);
         initial_diameters_ = dem::list_diameters(rev_->get_committed().grains);
-        history_ = std::make_unique<RevHistory>(folder_.get_path());
+        history_ = std::make_unique<RevHistory>(folder_.get_path(), case_.rev.packing.cell_kind);
         write_breakage(0);
         committed_rows_ = history_->count_rows();
         write_snapshot("initial");
@@ -112,12 +113,14 @@ namespace apps
       {
         const std::string file = folder_.get_file("checkpoint.h5");
         const RevCheckpoint checkpoint = as_bad_input([&] { return read_rev_checkpoint(file); });
+        if (checkpoint.state.cell.kind != case_.rev.packing.cell_kind)
+          throw BadInput(fmt::format("{}: Boundary/Kind is not that of the run: a REV keeps its boundary", file));
         position_ = checkpoint.position;
         prolong_held_stage(case_.stages, file, position_);
         committed_rows_ = checkpoint.n_rows;
         initial_diameters_ = checkpoint.initial_diameters;
         rev_ = std::make_unique<dem::Rev>(case_.rev.model, checkpoint.state);
-        history_ = std::make_unique<RevHistory>(folder_.get_path(), checkpoint.n_rows);
+        history_ = std::make_unique<RevHistory>(folder_.get_path(), checkpoint.state.cell.kind, checkpoint.n_rows);
         folder_.prepare(case_.parameters); // not before the folder has turned out to be one of these parameters
         progress_.say(fmt::format("resumed at {:.4g} s in stage {}", checkpoint.state.time, position_.stage + 1));
       }
@@ -218,10 +221,26 @@ namespace apps
             summary_.findings["q_max_Pa"] = position_.strength;
             summary_.findings["strain_at_q_max"] = -position_.strain_at_strength;
           }
+        list_wall_stresses();
         if (outcome != dem::LaboratoryOutcome::ruptured)
           return;
         summary_.findings["rupture_time_s"] = position_.rupture_time;
         summary_.findings["rupture_criterion"] = std::string(dem::describe(position_.criterion));
+      }
+
+      /** Compression-positive, as in history.csv, beside those averaged over the grains. */
+      void list_wall_stresses()
+      {
+        const dem::RevState &state = rev_->get_committed();
+        if (!state.cell.has_walls())
+          return;
+        const dem::Vector stress = dem::compute_wall_stress(state.cell, dem::list_contacts(state, rev_->get_law()));
+        for (int k = 0; k < 3; ++k)
+          {
+            const char axis = "xyz"[k];
+            summary_.findings[fmt::format("wall_stress_{0}{0}_Pa", axis)] = -stress[k];
+            summary_.findings[fmt::format("stress_{0}{0}_Pa", axis)] = -state.stress(k, k);
+          }
       }
 
       int tell_rupture()

@@ -1,6 +1,7 @@
 #include "dem/breakage.h"
 
 #include "dem/splitting.h"
+#include "dem/walls.h"
 
 #include <algorithm>
 #include <cmath>
@@ -34,7 +35,8 @@ namespace dem
       for (const Contact &contact : contacts)
         {
           consider(contact.a, contact.normal_force, contact.normal);
-          consider(contact.b, contact.normal_force, -contact.normal);
+          if (!is_wall(contact.b))
+            consider(contact.b, contact.normal_force, -contact.normal);
         }
       return direction;
     }
@@ -76,12 +78,14 @@ namespace dem
           new_place[i] = n_kept;
           n_kept += is_kept[i] ? 1 : 0;
         }
+      const auto is_there = [&](const std::uint32_t partner) { return is_wall(partner) || is_kept[partner]; };
       std::erase_if(state.contacts,
-                    [&](const ContactMemory &memory) { return !is_kept[memory.a] || !is_kept[memory.b]; });
+                    [&](const ContactMemory &memory) { return !is_there(memory.a) || !is_there(memory.b); });
       for (ContactMemory &memory : state.contacts)
         {
           memory.a = new_place[memory.a];
-          memory.b = new_place[memory.b];
+          if (!is_wall(memory.b))
+            memory.b = new_place[memory.b];
         }
       state.grains.keep(is_kept);
     }
@@ -107,8 +111,9 @@ namespace dem
     for (const Contact &contact : contacts)
       {
         const double stress = compute_contact_stress(contact.normal_force, contact.effective_radius, contact.overlap);
-        for (const std::size_t grain : {contact.a, contact.b})
-          grains.largest_contact_stress[grain] = std::max(grains.largest_contact_stress[grain], stress);
+        for (const std::uint32_t partner : {contact.a, contact.b})
+          if (!is_wall(partner))
+            grains.largest_contact_stress[partner] = std::max(grains.largest_contact_stress[partner], stress);
       }
     for (std::size_t i = 0; i < grains.size(); ++i)
       {

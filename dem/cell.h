@@ -6,15 +6,25 @@
 
 namespace dem
 {
-  /** The periodic parallelepiped that the grains fill. */
+  /** What bounds the grains. */
+  enum class CellKind
+  {
+    periodic, ///< a parallelepiped among its images
+    rigid     ///< a box along the axes between six walls
+  };
+
+  /** The volume that the grains fill. */
   struct Cell
   {
+    CellKind kind = CellKind::periodic;
     Matrix edges = Matrix::Identity();       ///< columns are the edges [m]
     Matrix deformation = Matrix::Identity(); ///< deformation gradient since the strain was last set to zero [-]
 
+    bool has_walls() const { return kind == CellKind::rigid; }
+
     double compute_volume() const { return edges.determinant(); } ///< [m3]
 
-    /** Strains the cell and what lies in it: F <- f F. */
+    /** Strains the cell and what lies in it: F <- f F. @pre with walls f is diagonal */
     void deform(const Matrix &f)
     {
       edges = (f * edges).eval();

@@ -6,11 +6,12 @@
 
 namespace dem
 {
-  /** A touching pair, with all that is known of it: what measures and writers read. */
+  /** A touching pair, grains or a grain and a wall (dem/walls.h), with all that is known of it: what measures and
+   * writers read. */
   struct Contact
   {
-    std::uint32_t a = 0, b = 0;   ///< places in the arrays of the grains
-    Vector branch;                ///< x_b - x_a of the touching images [m]
+    std::uint32_t a = 0, b = 0;   ///< places in the arrays of the grains; b may stand for a wall
+    Vector branch;                ///< x_b - x_a of the touching images [m]; for a wall x_b is its point nearest to a
     Vector normal;                ///< branch / |branch|, from a to b
     Vector shear_force;           ///< t, acts on a [N]
     double overlap = 0.;          ///< d [m]

@@ -17,6 +17,7 @@ namespace dem
     double turning_stiffness = 0.; ///< likewise of kn (lever arm)(mean lever arm) [N m]; free rotation only
     double stiffness_moment = 0.;  ///< sum of kn |x_b - x_a|^2 [N m]
     std::size_t n_touching = 0;
+    Vector wall_force = Vector::Zero(); ///< from both walls across x, y, z on the grains, outward positive [N]
   };
 
   /** Where the forces and torques on grains lie, found by the number of a grain; of one block alone, or of all. */

@@ -2,6 +2,7 @@
 
 #include <cassert>
 #include <cmath>
+#include <initializer_list>
 #include <numbers>
 
 namespace dem
@@ -35,6 +36,8 @@ namespace dem
     law.friction = material.friction;
     law.shear_ratio = 2. * (1. - nu) / (2. - nu);
     law.roughness = compute_pair_roughness(material);
+    law.wall_friction = material.wall_friction;
+    law.wall_roughness = material.roughness;
     if (law.roughness == 0.)
       return law; // stages 1 and 2 have no width: every overlap is Hertz's
 
@@ -50,6 +53,22 @@ namespace dem
     law.force_scale_1 = S * law.effective_modulus * std::sqrt(2. * S);
     law.force_scale_2 = stage_force_ratio * law.force_scale_1;
     return law;
+  }
+
+  ContactLaw make_wall_law(const ContactLaw &law)
+  {
+    ContactLaw wall = law;
+    wall.effective_modulus = 2. * law.effective_modulus; // one of the two bodies does not yield
+    wall.friction = law.wall_friction;
+    if (law.roughness == 0.)
+      return wall;
+    // All lengths are multiples of S, and N1 is one of E* S^1.5.
+    const double share = law.wall_roughness / law.roughness;
+    for (double *const length : {&wall.roughness, &wall.d1, &wall.d2, &wall.dT1, &wall.dT2})
+      *length *= share;
+    for (double *const force_scale : {&wall.force_scale_1, &wall.force_scale_2})
+      *force_scale *= 2. * share * std::sqrt(share);
+    return wall;
   }
 
   NormalResponse compute_normal_response(const ContactLaw &law, double overlap, double effective_radius)

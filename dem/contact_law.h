@@ -17,8 +17,9 @@ namespace dem
     double friction = 0.275;     ///< mu [-]
     double roughness = 0.6e-6;   ///< S_q [m]; 0: smooth
     RoughnessRule roughness_rule = RoughnessRule::combined;
-    double n1 = 0.05; ///< first roughness parameter [-]
-    double n2 = 5.;   ///< second roughness parameter [-]
+    double n1 = 0.05;          ///< first roughness parameter [-]
+    double n2 = 5.;            ///< second roughness parameter [-]
+    double wall_friction = 0.; ///< mu between a grain and a rigid wall [-]
   };
 
   /**
@@ -36,6 +37,8 @@ namespace dem
     double dT1 = 0., dT2 = 0.;     ///< overlaps at which a stage ends [m]
     double force_scale_1 = 0.;     ///< N1 / sqrt(R*) [N/m^0.5]
     double force_scale_2 = 0.;     ///< N2 / sqrt(R*) [N/m^0.5]
+    double wall_friction = 0.;     ///< mu of a wall [-]
+    double wall_roughness = 0.;    ///< S of a grain and a wall [m]
   };
 
   /** Normal force and its derivative at one contact. */
@@ -47,6 +50,12 @@ namespace dem
 
   /** @pre moduli positive, 0 <= nu <= 0.5, roughness >= 0, n1, n2 >= 0 */
   ContactLaw make_contact_law(const GrainMaterial &material);
+
+  /**
+   * The law between a grain and a rigid, smooth wall (docs/theory.md Eq. 2.14): E* is twice that of two grains, S is
+   * S_q by either rule, mu that of the wall; kt/kn is the same. R* is the radius of the grain.
+   */
+  ContactLaw make_wall_law(const ContactLaw &law);
 
   /** R* = Ra Rb / (Ra + Rb) [m]. */
   inline double compute_effective_radius(double radius_a, double radius_b)

@@ -2,6 +2,7 @@
 
 #include "dem/lanes.h"
 #include "dem/memory.h"
+#include "dem/wall_contacts.h"
 
 #include <algorithm>
 #include <cmath>
@@ -126,6 +127,8 @@ namespace dem
       std::partial_sum(start.begin(), start.end(), start.begin());
       for (const ContactMemory &memory : state.contacts)
         {
+          if (is_wall(memory.b))
+            continue;
           const auto [a, b] = std::minmax(memory.a, memory.b);
           for (std::uint32_t k = start[a]; k < start[a + 1]; ++k)
             if (pairs[k].b == b)
@@ -139,7 +142,7 @@ namespace dem
   std::size_t ContactNetwork::count_bytes() const
   {
     return dem::count_bytes(a, b, radius_sum, root_radius, shear_x, shear_y, shear_z, status, blocks, incoming_far,
-                            incoming_grain, place_when_built);
+                            incoming_grain, wall_pairs, place_when_built);
   }
 
   void ContactNetwork::set_shear(const std::size_t k, const Vector &force, const PairStatus now)
@@ -188,6 +191,7 @@ namespace dem
       shear->assign(network.size(), 0.);
     network.status.assign(network.size(), PairStatus::is_apart);
     restore_memories(network, pairs, place_of_pair, state);
+    network.wall_pairs = list_wall_pairs(state, skin);
     return network;
   }
 
@@ -215,6 +219,9 @@ namespace dem
     for (std::size_t i = 0; i < network.size(); ++i)
       if (network.status[i] != PairStatus::is_apart)
         memories.push_back({network.a[i], network.b[i], network.get_shear(i), network.status[i] == PairStatus::slides});
+    for (const WallPair &pair : network.wall_pairs)
+      if (pair.status != PairStatus::is_apart)
+        memories.push_back({pair.grain, to_partner(pair.wall), pair.shear_force, pair.status == PairStatus::slides});
     return memories;
   }
 
@@ -224,6 +231,11 @@ namespace dem
     contacts.reserve(state.contacts.size());
     for (const ContactMemory &memory : state.contacts)
       {
+        if (is_wall(memory.b))
+          {
+            contacts.push_back(make_wall_contact(state, memory, law));
+            continue;
+          }
         const Row &a = state.grains.place[memory.a], &b = state.grains.place[memory.b];
         Contact contact;
         contact.a = memory.a;

@@ -34,6 +34,14 @@ namespace dem
     std::size_t first_source; ///< lowest block with such a pair, or the block itself; none of them is higher
   };
 
+  /** A grain and a wall that may touch. */
+  struct WallPair
+  {
+    std::uint32_t grain, wall;
+    Vector shear_force; ///< on the grain [N]; zero where apart
+    PairStatus status;
+  };
+
   /**
    * The pairs that may touch, grain a before grain b, and what touching pairs remember. Valid until a grain has moved
    * half the skin. Built from a state alone, by a fixed rule: the order of pairs is the order in which forces are
@@ -52,6 +60,8 @@ namespace dem
     std::vector<GrainBlock> blocks;
     std::vector<std::uint32_t> incoming_far, incoming_grain; ///< far pairs by their second grain, and that grain
 
+    std::vector<WallPair> wall_pairs; ///< by the grain's place, then by the wall's
+
     double skin = 0., reach = 0.; ///< [m]
     std::vector<Row> place_when_built;
     Matrix edges_when_built = Matrix::Identity();
@@ -67,7 +77,8 @@ namespace dem
   /** Largest reach of a pair: twice the largest radius plus the skin [m]. */
   double compute_reach(const Grains &grains, double skin);
 
-  /** True when the cell is wide enough for each pair to touch through one image only. */
+  /** True when the cell is wide enough for each pair to touch through one image only; between walls: for the nearest
+   *  image of what a grain touches to be that grain itself. */
   bool is_wide_enough(const Cell &cell, double reach);
 
   /** @pre is_wide_enough(state.cell, compute_reach(state.grains, skin)) */
@@ -79,7 +90,7 @@ namespace dem
   /** How much of the skin has been used up [m]; a pair outside the network may touch once this exceeds the skin. */
   double compute_used_skin(const ContactNetwork &network, const Cell &cell, const Grains &grains);
 
-  /** What its touching pairs remember, in the network's order. */
+  /** What its touching pairs remember, in the network's order; walls after all grains. */
   std::vector<ContactMemory> collect_memories(const ContactNetwork &network);
 
   /** The touching pairs of a state with all that is known of them, in the order of state.contacts; forces by the

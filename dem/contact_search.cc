@@ -175,12 +175,17 @@ namespace dem
     start_.assign(first_box + 1, 0);
   }
 
+  double ContactSearch::wrap(const double fraction) const
+  {
+    // A grain pressed beyond a wall is looked for in the last box before it: nothing there is farther than from itself.
+    return cell_.has_walls() ? fraction : wrap_fraction(fraction);
+  }
+
   std::uint32_t ContactSearch::find_box(const Row &place) const
   {
     const Level &level = levels_[find_level(place.w)];
-    const int i = locate_fraction(wrap_fraction(place.x), level.n[0]),
-              j = locate_fraction(wrap_fraction(place.y), level.n[1]),
-              k = locate_fraction(wrap_fraction(place.z), level.n[2]);
+    const int i = locate_fraction(wrap(place.x), level.n[0]), j = locate_fraction(wrap(place.y), level.n[1]),
+              k = locate_fraction(wrap(place.z), level.n[2]);
     return level.first_box + static_cast<std::uint32_t>((k * level.n[1] + j) * level.n[0] + i);
   }
 
@@ -198,7 +203,7 @@ namespace dem
     for (std::size_t i = n_grains; i-- > 0;) // backwards, as each box is filled from its end
       {
         const Row &row = place[i];
-        const Vector position = cell_.edges * Vector(wrap_fraction(row.x), wrap_fraction(row.y), wrap_fraction(row.z));
+        const Vector position = cell_.edges * Vector(wrap(row.x), wrap(row.y), wrap(row.z));
         const std::uint32_t to = --start_[box_[i]];
         sorted_.x[to] = static_cast<float>(position.x());
         sorted_.y[to] = static_cast<float>(position.y());
@@ -242,6 +247,11 @@ namespace dem
         const double span = std::min(0.5, reach * per_length_[k]); // all of the cell, once, should the reach be absurd
         low[k] = static_cast<int>(std::floor((double(box.at[k]) / from.n[k] - span) * in.n[k]));
         high[k] = static_cast<int>(std::floor((double(box.at[k] + 1) / from.n[k] + span) * in.n[k]));
+        if (cell_.has_walls())
+          {
+            low[k] = std::max(low[k], 0);
+            high[k] = std::min(high[k], in.n[k] - 1);
+          }
       }
     n_candidates_ = 0;
     // In its own level a box looks forward only, itself first: the boxes behind it have already looked.

@@ -32,8 +32,9 @@ namespace dem
   public:
     /**
      * All pairs with |edges (d - rint(d))| < Ra + Rb + skin, sorted by (a, b); d is the difference of their places.
+     * Between walls nothing is found across them: |edges d| counts.
      *
-     * @param place  x, y, z: fractions of the cell's edges, any image; w: radius [m]
+     * @param place  x, y, z: fractions of the cell's edges, any image (between walls there is one); w: radius [m]
      * @param skin   [m]
      * @return valid until the next call. A grain whose place is not a number is in no pair.
      *
@@ -82,6 +83,7 @@ namespace dem
     void sort_into_boxes(const std::vector<Row> &place);
     std::size_t find_level(double radius) const;
     std::uint32_t find_box(const Row &place) const;
+    double wrap(double fraction) const;
 
     void search_from_level(std::size_t level, const std::vector<Row> &place);
     void collect_candidates(const Box &box, std::size_t level);

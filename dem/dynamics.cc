@@ -2,8 +2,10 @@
 
 #include "dem/memory.h"
 #include "dem/stopwatch.h"
+#include "dem/wall_contacts.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 namespace dem
@@ -97,7 +99,10 @@ namespace dem
     if (!is_wide_enough_)
       return;
     const Stopwatch watch(profile_[Part::forces]);
-    sums_ = compute_contact_forces({state_, law_, motion_}, network_, forces_, team_);
+    const ForceTask task{state_, law_, motion_};
+    sums_ = compute_contact_forces(task, network_, forces_, team_);
+    if (state_.cell.has_walls())
+      add_wall_forces(task, network_, forces_, sums_);
     if (!has_masses_)
       refresh_masses();
   }
@@ -124,10 +129,12 @@ namespace dem
 
   void Dynamics::compute_forces_and_move()
   {
-    if (!has_masses_)
+    if (!has_masses_ || state_.cell.has_walls()) // walls add their forces once those of all pairs are known
       {
         compute_forces();
-        return move();
+        if (is_wide_enough_)
+          move();
+        return;
       }
     update_network();
     if (!is_wide_enough_)
@@ -141,6 +148,7 @@ namespace dem
   {
     const double step = *std::max_element(block_steps_.begin(), block_steps_.end());
     travel_ += step + 0.5 * increment.norm() * network_.reach;
+    assert(!state_.cell.has_walls() || increment.isDiagonal(0.));
     if (!increment.isZero(0.))
       state_.cell.deform(Matrix::Identity() + increment);
     motion_.time_step = kinetics_.time_step;
@@ -157,6 +165,8 @@ namespace dem
     n_cycles_ = 0;
     if (!rule_.motion.has_true_masses)
       take_velocities_away(state_.grains);
+    if (state_.cell.has_walls())
+      return;                              // without images a place has one name alone
     for (Row &place : state_.grains.place) // the same grains, but fractions keep their precision
       {
         place.x -= std::floor(place.x);
@@ -184,6 +194,14 @@ namespace dem
   Matrix Dynamics::compute_stress() const
   {
     return sums_.force_times_branch / state_.cell.compute_volume();
+  }
+
+  Matrix Dynamics::compute_servo_stress() const
+  {
+    Matrix stress = compute_stress();
+    if (state_.cell.has_walls())
+      stress.diagonal() = compute_wall_stress(state_.cell, sums_.wall_force);
+    return stress;
   }
 
   double Dynamics::compute_unbalanced_ratio() const

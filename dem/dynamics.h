@@ -52,7 +52,9 @@ namespace dem
     /** False once the cell is narrower than two reaches: then nothing may be computed. */
     bool is_wide_enough() const { return is_wide_enough_; }
 
-    Matrix compute_stress() const;           ///< Love-Weber [Pa], tension-positive
+    Matrix compute_stress() const; ///< Love-Weber [Pa], tension-positive
+    /** What a servo goes by [Pa], tension-positive: Love-Weber; between walls the normal stresses on them. */
+    Matrix compute_servo_stress() const;
     double compute_unbalanced_ratio() const; ///< mean resultant force over mean normal contact force [-]
     double compute_stiffness() const;        ///< (1/3V) sum of kn |branch|^2 [Pa], an upper bound of the P-wave modulus
     /** False once a grain or the cell is nowhere: places that are not numbers touch nobody, so forces do not tell. */

@@ -4,6 +4,7 @@
 #include "dem/stopwatch.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <optional>
 
@@ -88,7 +89,7 @@ namespace dem
       if (cycle < driver.get_n_straining() || dynamics.compute_unbalanced_ratio() >= rule.unbalanced_ratio)
         return false;
       const double tolerance = rule.stress_tolerance * compute_largest_target(control);
-      const Matrix stress = dynamics.compute_stress();
+      const Matrix stress = dynamics.compute_servo_stress();
       for (int m = 0; m < 6; ++m)
         if (control.is_stress_controlled[m] && !(std::abs(driver.compute_deviation(m, stress)) <= tolerance))
           return false;
@@ -171,7 +172,7 @@ namespace dem
           if (!dynamics.is_wide_enough())
             return RestStatus::cell_too_narrow;
           report.n_cycles = cycle;
-          const Matrix stress = has_servo ? dynamics.compute_stress() : Matrix::Zero();
+          const Matrix stress = has_servo ? dynamics.compute_servo_stress() : Matrix::Zero();
           if (has_servo)
             record_deviations(driver, control, stress, report);
           if (is_watched)
@@ -189,6 +190,12 @@ namespace dem
   bool CellControl::has_servo() const
   {
     return std::any_of(is_stress_controlled.begin(), is_stress_controlled.end(), [](const bool is) { return is; });
+  }
+
+  bool CellControl::is_along_axes() const
+  {
+    return stretch.isDiagonal(0.) &&
+           std::none_of(is_stress_controlled.begin() + 3, is_stress_controlled.end(), [](const bool is) { return is; });
   }
 
   const char *describe(const RestStatus status)
@@ -209,6 +216,7 @@ namespace dem
 
   RestReport bring_to_rest(RevState &state, const RestRule &rule, const CellControl &control, const CycleHook &hook)
   {
+    assert(!state.cell.has_walls() || control.is_along_axes());
     const Clock::time_point start = Clock::now();
     Dynamics dynamics(state, rule.law, rule.dynamics);
     RestReport report;

@@ -27,6 +27,9 @@ namespace dem
     Matrix target_stress = Matrix::Zero(); ///< [Pa], tension-positive; entries under strain control unused
 
     bool has_servo() const;
+
+    /** False where a shear component is strained or held at a stress: walls do neither. */
+    bool is_along_axes() const;
   };
 
   /** How a run to equilibrium ended. */
@@ -65,8 +68,9 @@ namespace dem
 
   /**
    * Strains the cell as told, holds the stresses as told, until the REV is at rest. Fracture is frozen, unless the hook
-   * breaks grains.
+   * breaks grains. Between walls the stresses held are those on the walls.
    *
+   * @pre with walls control.is_along_axes()
    * @post the state's contacts, stress, unbalanced ratio and cycle count are those of the end, at rest or not
    */
   RestReport bring_to_rest(RevState &state, const RestRule &rule, const CellControl &control,

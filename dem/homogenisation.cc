@@ -1,6 +1,9 @@
 #include "dem/homogenisation.h"
 
+#include "dem/walls.h"
+
 #include <algorithm>
+#include <numeric>
 
 namespace dem
 {
@@ -27,7 +30,8 @@ namespace dem
     for (const Contact &contact : contacts)
       {
         ++n_contacts[contact.a];
-        ++n_contacts[contact.b];
+        if (!is_wall(contact.b))
+          ++n_contacts[contact.b];
       }
 
     const std::size_t rattler_limit = is_rotation_free ? 4 : 3;
@@ -38,7 +42,7 @@ namespace dem
 
     // The contacts of a rattler bear next to nothing, but they are counted: leaving them out would make new rattlers
     // of its neighbours, and the answer would depend on where that is stopped.
-    const double n_ends = 2. * static_cast<double>(contacts.size());
+    const double n_ends = static_cast<double>(std::accumulate(n_contacts.begin(), n_contacts.end(), std::size_t(0)));
     if (n_grains > 0)
       numbers.all = n_ends / static_cast<double>(n_grains);
     if (n_grains > numbers.n_rattlers)

@@ -23,7 +23,7 @@ namespace dem
 
   struct CoordinationNumbers
   {
-    double all = 0.;              ///< 2 contacts / grains
+    double all = 0.;              ///< 2 contacts / grains; one with a wall counts once
     double without_rattlers = 0.; ///< the same over grains with at least `rattler_limit` contacts
     std::size_t n_rattlers = 0;
   };

@@ -2,6 +2,7 @@
 
 #include "dem/attempt_judgement.h"
 #include "dem/stage_path.h"
+#include "dem/wall_contacts.h"
 
 #include <algorithm>
 #include <cmath>
@@ -369,6 +370,7 @@ namespace dem
     observation.counters = state.counters;
     observation.strain = compute_logarithmic_strain(state.cell.deformation);
     observation.stress = 0.5 * (state.stress + state.stress.transpose());
+    observation.wall_stress = compute_wall_stress(state.cell, contacts);
     observation.void_ratio = compute_void_ratio(state);
     observation.void_ratio_with_fines = compute_void_ratio_with_fines(state);
     observation.coordination =

@@ -76,6 +76,7 @@ namespace dem
     ObservationKind kind = ObservationKind::load;
     Counters counters;
     Matrix strain, stress; ///< logarithmic [-], Cauchy [Pa]
+    Vector wall_stress;    ///< on the walls: xx, yy, zz [Pa]; NaN without walls
     double void_ratio = 0., void_ratio_with_fines = 0., coordination = 0., unbalanced_ratio = 0.;
     std::size_t n_grains = 0;
   };

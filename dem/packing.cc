@@ -15,6 +15,17 @@ namespace dem
     // Share of the stress error that one cycle takes away: a brisker servo makes other packings, not faster ones alone.
     constexpr double closing_gain = 0.02;
 
+    /** Takes grains so far from the walls that they grow to their radii without touching them. */
+    void draw_away_from_walls(RevState &state)
+    {
+      for (Row &place : state.grains.place)
+        {
+          const double share = place.w / state.cell.edges(0, 0);
+          for (double *const fraction : {&place.x, &place.y, &place.z})
+            *fraction = share + (1. - 2. * share) * *fraction;
+        }
+    }
+
     /** Grains of the grading at random places of a loose cubic cell, radii still small. */
     RevState scatter_grains(const PackingRule &rule, const std::uint64_t positions)
     {
@@ -30,7 +41,10 @@ namespace dem
           state.grains.place[i] = {x, y, z, 0.5 * diameters[i]};
         }
       const double edge = std::cbrt((1. + loose_void_ratio) * compute_solid_volume(state.grains));
+      state.cell.kind = rule.cell_kind;
       state.cell.edges = edge * Matrix::Identity();
+      if (state.cell.has_walls())
+        draw_away_from_walls(state);
       sort_in_space(state);
       for (std::size_t i = 0; i < rule.n_grains; ++i)
         state.grains.id[i] = state.grains.parent[i] = i;

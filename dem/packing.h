@@ -13,6 +13,7 @@ namespace dem
   {
     std::size_t n_grains = 1000;
     Grading grading = make_ne34_grading();
+    CellKind cell_kind = CellKind::periodic;
     double void_ratio = 0.65;       ///< e0 at the pressure [-]
     double tolerance = 0.005;       ///< of the void ratio [-]
     double pressure = 100e3;        ///< isotropic, compression-positive [Pa]
@@ -42,7 +43,8 @@ namespace dem
   /**
    * Random packing by radius expansion: grains at random places grow in a loose cell, then the cell closes in until the
    * isotropic stress holds. The denser, the lower the friction meanwhile: it is searched for until the void ratio is
-   * met. (The friction of the material is back in force afterwards.)
+   * met. (The friction of the material is back in force afterwards.) Between walls the void ratio is that of the whole
+   * box, looser pores along the walls included.
    *
    * The best packing found is returned with report.is_found false when the search is exhausted.
    */

@@ -1,6 +1,7 @@
 #include "dem/packing_file.h"
 
 #include "dem/contact_network.h"
+#include "dem/walls.h"
 
 #include <cerrno>
 #include <cstring>
@@ -51,6 +52,22 @@ namespace dem
       return {row.x / cell.edges(0, 0), row.y / cell.edges(1, 1), row.z / cell.edges(2, 2), row.w};
     }
 
+    void check_walls(const std::string &file, const std::vector<std::size_t> &lines, const RevState &state)
+    {
+      for (std::size_t i = 0; i < lines.size(); ++i)
+        for (std::uint32_t wall = 0; wall < n_walls; ++wall)
+          {
+            const Row &place = state.grains.place[i];
+            const double overlap = place.w - compute_distance_to_wall(state.cell, place, wall);
+            if (overlap <= 0.5 * place.w)
+              continue;
+            std::ostringstream message;
+            message << "grain reaches " << overlap << " m beyond wall " << to_number(to_partner(wall))
+                    << "; at most half its radius, " << 0.5 * place.w << " m, is allowed";
+            fail(file, lines[i], message.str());
+          }
+    }
+
     void check_overlaps(const std::string &file, const std::vector<std::size_t> &lines, const RevState &state)
     {
       const ContactNetwork network = build_contact_network(state, 0.);
@@ -98,9 +115,10 @@ namespace dem
     }
   } // namespace
 
-  RevState read_packing(const std::string &file)
+  RevState read_packing(const std::string &file, const CellKind kind)
   {
     RevState state;
+    state.cell.kind = kind;
     const auto lines = read_lines(file, state);
     state.grains.resize(lines.size());
     for (std::size_t i = 0; i < lines.size(); ++i)
@@ -109,6 +127,8 @@ namespace dem
     state.initial_solid_volume = compute_solid_volume(state.grains);
     if (!is_wide_enough(state.cell, compute_reach(state.grains, 0.)))
       throw std::runtime_error(file + ": the cell is narrower than two largest diameters");
+    if (state.cell.has_walls())
+      check_walls(file, lines, state);
     check_overlaps(file, lines, state);
     return state;
   }

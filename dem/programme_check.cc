@@ -36,7 +36,7 @@ namespace dem
           : stages_(stages), i_(i), stage_(stages[i])
       {}
 
-      void run() const
+      void run(const CellKind kind) const
       {
         if (is_held(stage_))
           check_held();
@@ -48,6 +48,9 @@ namespace dem
         check_strength();
         if (stage_.kind == StageKind::constant_p)
           check_constant_p();
+        if (kind == CellKind::rigid && stage_.kind == StageKind::strain_path)
+          require(stage_.strain.isDiagonal(0.), "Strain",
+                  "rigid walls cannot shear: xy, yz and xz must be 0, or the boundary periodic");
       }
 
     private:
@@ -124,11 +127,11 @@ namespace dem
     };
   } // namespace
 
-  void check_programme(const std::vector<LaboratoryStage> &stages)
+  void check_programme(const std::vector<LaboratoryStage> &stages, const CellKind kind)
   {
     if (stages.empty())
       throw std::invalid_argument("the programme has no stage");
     for (std::size_t i = 0; i < stages.size(); ++i)
-      StageCheck(stages, i).run();
+      StageCheck(stages, i).run(kind);
   }
 } // namespace dem

@@ -17,7 +17,7 @@ namespace dem
     std::string quantity; ///< of the stage, by the name that a parameter file gives it
   };
 
-  /** Throws StageContradiction (a creep without duration, two targets, a share of a q_max that nobody looks for, ...);
-   *  std::invalid_argument if there is no stage at all. */
-  void check_programme(const std::vector<LaboratoryStage> &stages);
+  /** Throws StageContradiction (a creep without duration, two targets, a share of a q_max that nobody looks for, shear
+   * between rigid walls, ...); std::invalid_argument if there is no stage at all. */
+  void check_programme(const std::vector<LaboratoryStage> &stages, CellKind kind = CellKind::periodic);
 } // namespace dem

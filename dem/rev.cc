@@ -4,6 +4,8 @@
 #include "dem/dynamic_computation.h"
 #include "dem/stopwatch.h"
 
+#include <stdexcept>
+
 namespace dem
 {
   namespace
@@ -152,6 +154,9 @@ namespace dem
 
   Tangent Rev::compute_tangent(const RevState &state, const TangentKind kind) const
   {
+    if (state.cell.has_walls())
+      throw std::invalid_argument(
+          "a REV between rigid walls has no tangent: only a periodic cell may stand for a point");
     const Stopwatch watch(profile_[Part::tangent]);
     const auto contacts = list_contacts(state, law_);
     const auto radii = list_radii(state.grains);

@@ -70,7 +70,7 @@ namespace dem
     /** Baseline and trial are dropped. */
     void revert();
 
-    /** Tangent of one of the three states in its own axes [Pa]. */
+    /** Tangent of one of the three states in its own axes [Pa]. Throws std::invalid_argument between walls. */
     Tangent compute_tangent(const RevState &state, TangentKind kind) const;
 
     const RevState &get_committed() const { return committed_; }

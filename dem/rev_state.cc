@@ -3,6 +3,7 @@
 #include "dem/checksum.h"
 #include "dem/memory.h"
 #include "dem/spatial_order.h"
+#include "dem/walls.h"
 
 #include <algorithm>
 #include <array>
@@ -16,7 +17,9 @@ namespace dem
   namespace
   {
     constexpr std::array<char, 8> magic = {'S', 'L', 'O', 'W', 'R', 'E', 'V', '\0'};
-    constexpr std::uint64_t version = 1;
+
+    // The bytes are the same; programs older than the walls must not take one kind of cell for the other.
+    constexpr std::uint64_t version_periodic = 1, version_rigid = 2;
 
     /** What stands before the body. Eight-byte fields only: no padding, the same bytes each time. */
     struct Header
@@ -151,8 +154,9 @@ namespace dem
       if (bytes.size() < sizeof(Header))
         reject("truncated: " + n_given + " bytes do not hold its header");
       std::memcpy(&header, bytes.data(), sizeof(Header));
-      if (header.version != version)
-        reject("wrong version: " + std::to_string(header.version) + ", this program reads " + std::to_string(version));
+      if (header.version != version_periodic && header.version != version_rigid)
+        reject("wrong version: " + std::to_string(header.version) + ", this program reads " +
+               std::to_string(version_periodic) + " and " + std::to_string(version_rigid));
       if (bytes.size() < header.n_bytes)
         reject("truncated: " + n_given + " of " + std::to_string(header.n_bytes) + " bytes");
       // The counts first: a corrupted one could overflow the product.
@@ -184,7 +188,8 @@ namespace dem
     for (ContactMemory &memory : state.contacts)
       {
         memory.a = place[memory.a];
-        memory.b = place[memory.b];
+        if (!is_wall(memory.b))
+          memory.b = place[memory.b];
       }
   }
 
@@ -197,8 +202,12 @@ namespace dem
     transfer_state(state, writer);
     std::vector<std::byte> bytes = std::move(writer.bytes());
     const std::span<const std::byte> body = std::span<const std::byte>(bytes).subspan(sizeof(Header));
-    const Header header{
-        magic, version, bytes.size(), state.grains.size(), state.contacts.size(), compute_checksum(body)};
+    const Header header{magic,
+                        state.cell.has_walls() ? version_rigid : version_periodic,
+                        bytes.size(),
+                        state.grains.size(),
+                        state.contacts.size(),
+                        compute_checksum(body)};
     std::memcpy(bytes.data(), &header, sizeof(Header));
     return bytes;
   }
@@ -207,12 +216,14 @@ namespace dem
   {
     const Header header = check_header(bytes);
     RevState state;
+    state.cell.kind = header.version == version_rigid ? CellKind::rigid : CellKind::periodic;
     state.grains.resize(header.n_grains);
     state.contacts.resize(header.n_contacts);
     ByteReader reader(bytes.subspan(sizeof(Header)));
     transfer_state(state, reader);
     for (const ContactMemory &contact : state.contacts)
-      if (contact.a >= header.n_grains || contact.b >= header.n_grains)
+      if (contact.a >= header.n_grains ||
+          (contact.b >= header.n_grains && !(state.cell.has_walls() && is_wall(contact.b))))
         reject("corrupted: a contact with a grain that is not there");
     return state;
   }

@@ -13,7 +13,7 @@ namespace dem
   /** What a touching pair remembers. The order of these is the order in which forces are summed: part of the state. */
   struct ContactMemory
   {
-    std::uint32_t a, b; ///< places in the arrays of the grains
+    std::uint32_t a, b; ///< places in the arrays of the grains; b may stand for a wall (dem/walls.h)
     Vector shear_force; ///< t, acts on a [N]
     bool is_sliding;
   };

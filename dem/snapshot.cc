@@ -2,6 +2,7 @@
 
 #include "dem/checksum.h"
 #include "dem/hdf5_file.h"
+#include "dem/walls.h"
 
 #include <cassert>
 #include <cstring>
@@ -82,7 +83,7 @@ namespace dem
       file.write_attribute("/", "unbalanced_ratio", state.unbalanced_ratio);
       file.write_attribute("/", "initial_solid_volume_m3", state.initial_solid_volume);
       write_matrix(file, "/cell/matrix", state.cell.edges, "m");
-      file.write_attribute("/cell/matrix", "kind", std::string("periodic"));
+      file.write_attribute("/cell/matrix", "kind", std::string(state.cell.has_walls() ? "rigid" : "periodic"));
       write_matrix(file, "/cell/deformation", state.cell.deformation, "-");
       write_matrix(file, "/cell/rotation", state.rotation, "-");
       write_matrix(file, "/state/stress", state.stress, "Pa");
@@ -125,7 +126,9 @@ namespace dem
       const std::size_t n = contacts.size();
       const auto &ids = state.grains.id;
       const auto id_a = [&ids](const Memory &c) { return static_cast<std::int64_t>(ids[c.a]); };
-      const auto id_b = [&ids](const Memory &c) { return static_cast<std::int64_t>(ids[c.b]); };
+      const auto id_b = [&ids](const Memory &c) {
+        return is_wall(c.b) ? std::int64_t(to_number(c.b)) : static_cast<std::int64_t>(ids[c.b]);
+      };
       const auto shear_force = [](const Memory &c) { return c.shear_force; };
       const auto is_sliding = [](const Memory &c) { return c.is_sliding; };
       file.write("/contacts/grain_a", gather<std::int64_t>(state.contacts, id_a), {n}, "-");
@@ -149,9 +152,14 @@ namespace dem
       if (version != format_version)
         reject(file, "wrong version",
                std::to_string(version) + ", this program reads " + std::to_string(format_version));
+    }
+
+    CellKind read_kind(const Hdf5File &file)
+    {
       const std::string kind = file.read_attribute<std::string>("/cell/matrix", "kind");
-      if (kind != "periodic")
-        reject(file, "/cell/matrix attribute kind", "'" + kind + "', not 'periodic'");
+      if (kind != "periodic" && kind != "rigid")
+        reject(file, "/cell/matrix attribute kind", "'" + kind + "', neither 'periodic' nor 'rigid'");
+      return kind == "rigid" ? CellKind::rigid : CellKind::periodic;
     }
 
     void read_state(const Hdf5File &file, Snapshot &snapshot)
@@ -166,12 +174,15 @@ namespace dem
       state.counters.next_id = file.read_attribute<std::uint64_t>("/", "next_id");
       state.unbalanced_ratio = file.read_attribute<double>("/", "unbalanced_ratio");
       state.initial_solid_volume = file.read_attribute<double>("/", "initial_solid_volume_m3");
+      state.cell.kind = read_kind(file);
       state.cell.edges = read_matrix(file, "/cell/matrix");
       state.cell.deformation = read_matrix(file, "/cell/deformation");
       state.rotation = read_matrix(file, "/cell/rotation");
       state.stress = read_matrix(file, "/state/stress");
       if (!(state.cell.compute_volume() > 0.))
         reject(file, "/cell/matrix", "its volume is not positive");
+      if (state.cell.has_walls() && !state.cell.edges.isDiagonal(0.))
+        reject(file, "/cell/matrix", "rigid walls must stand across the axes");
     }
 
     std::vector<Row> read_rows(const Hdf5File &file, const std::string &first, const std::string &last,
@@ -205,13 +216,19 @@ namespace dem
                      " m, not a positive one");
     }
 
-    /** Places of the grains that a dataset names by id. */
+    /** Places of the grains that a dataset names by id, walls as they are. */
     std::vector<std::uint32_t> read_places(const Hdf5File &file, const std::string &path,
-                                           const std::unordered_map<std::int64_t, std::uint32_t> &place_of)
+                                           const std::unordered_map<std::int64_t, std::uint32_t> &place_of,
+                                           const bool may_be_wall)
     {
       std::vector<std::uint32_t> places;
       for (const std::int64_t id : file.read<std::int64_t>(path, {any_number}))
         {
+          if (may_be_wall && id < 0 && id >= -static_cast<std::int64_t>(n_walls))
+            {
+              places.push_back(static_cast<std::uint32_t>(id));
+              continue;
+            }
           const auto found = place_of.find(id);
           if (found == place_of.end())
             reject(file, path, "unknown grain " + std::to_string(id));
@@ -226,8 +243,8 @@ namespace dem
       for (std::uint32_t i = 0; i < state.grains.size(); ++i)
         if (!place_of.emplace(static_cast<std::int64_t>(state.grains.id[i]), i).second)
           reject(file, "/grains/id", "grain " + std::to_string(state.grains.id[i]) + " stands there twice");
-      const std::vector<std::uint32_t> a = read_places(file, "/contacts/grain_a", place_of);
-      const std::vector<std::uint32_t> b = read_places(file, "/contacts/grain_b", place_of);
+      const std::vector<std::uint32_t> a = read_places(file, "/contacts/grain_a", place_of, false);
+      const std::vector<std::uint32_t> b = read_places(file, "/contacts/grain_b", place_of, state.cell.has_walls());
       const std::size_t n = a.size();
       if (b.size() != n)
         reject(file, "/contacts/grain_b", "not as long as /contacts/grain_a");

@@ -154,6 +154,17 @@ class BadInput(unittest.TestCase):
         self.change_case("set Duration = 100", "set Drop below q_max = 1")
         self.expect_refusal(self.run_program(self.case), f"line {self.line_of('Drop')}", "'1'", "> 0 and < 1")
 
+    def test_shear_between_walls(self):
+        self.change_case("set Kind = oedometric\n  set Stress = 1e6",
+                         "set Kind = strain path\n  set Strain = 0, 0, 0.01, 0.02, 0, 0")
+        self.assertEqual(self.run_program(self.case, "--check").returncode, 0)
+        self.expect_refusal(self.run_program(self.case, "--check", "--set", "Boundary/Kind=walls"),
+                            f"line {self.line_of('Strain')}", "Stage 1/Strain", "walls cannot shear")
+
+    def test_boundary_that_is_neither(self):
+        self.expect_refusal(self.run_program(self.case, "--check", "--set", "Boundary/Kind=membrane"), "Boundary/Kind",
+                            "membrane", "periodic | walls")
+
     def test_boundary_value_problem_with_unknown_parameter(self):
         self.expect_refusal(self.run_program(self.case, "--check", program="slowsand-bvp"), "case.prm")
 
@@ -172,6 +183,10 @@ class BadInput(unittest.TestCase):
     def test_packing_with_a_radius_of_zero(self):
         self.expect_packing_refused("# cell 1e-3 1e-3 1e-3\n2e-4 5e-4 5e-4 0\n", ":2", "radius")
 
+    def test_packing_beyond_a_wall(self):
+        self.change_case("subsection Packing", "subsection Boundary\n  set Kind = walls\nend\nsubsection Packing")
+        self.expect_packing_refused("# cell 1e-3 1e-3 1e-3\n2e-4 5e-4 4e-5 1e-4\n", ":2", "wall -5")
+
     def test_packing_without_a_cell(self):
         self.expect_packing_refused("2e-4 5e-4 5e-4 1e-4\n", ":1", "cell")
 
@@ -185,6 +200,13 @@ class BadInput(unittest.TestCase):
 
     def test_nothing_to_resume(self):
         self.expect_refusal(self.run_program("--resume", self.folder / "nowhere"), "nowhere")
+
+    def test_run_of_another_boundary(self):
+        run = self.finish_run()
+        before = self.read_all(run)
+        self.expect_refusal(self.run_program("--resume", run, "--set", "Boundary/Kind=walls"), "checkpoint.h5",
+                            "Boundary/Kind")
+        self.assertEqual(before, self.read_all(run))
 
     def break_file(self, name, change):
         for program, changed in (("slowsand-rev", "Laboratory/Checkpoint interval=7"),

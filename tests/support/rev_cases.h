@@ -33,6 +33,18 @@ namespace dem::cases
     return packing;
   }
 
+  /** 200 grains between walls at 100 kPa, made once per program. */
+  inline const Packing &get_walled_packing()
+  {
+    static const Packing packing = [] {
+      PackingRule rule = make_packing_rule();
+      rule.n_grains = 200;
+      rule.cell_kind = CellKind::rigid;
+      return generate_packing(rule, GrainMaterial{}, DynamicsRule{});
+    }();
+    return packing;
+  }
+
   inline RestRule make_rest_rule(const RevModel &model = RevModel{})
   {
     return {make_contact_law(model.material), model.dynamics, model.equilibrium};
