@@ -1,12 +1,13 @@
 #include "dem/packing_file.h"
 #include "dem/programme_check.h"
 #include "dem/snapshot.h"
-#include "dem/walls.h"
+#include "dem/wall_contacts.h"
 #include "tests/support/rev_cases.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 
@@ -55,6 +56,27 @@ namespace
     return static_cast<std::size_t>(
         std::count_if(state.contacts.begin(), state.contacts.end(),
                       [](const ContactMemory &memory) { return is_wall(memory.b) && memory.shear_force.norm() > 0.; }));
+  }
+
+  TEST_F(WalledState, ServoGoesByTheWallsAndTheirFrictionIsTheDifference)
+  {
+    // Law: docs/theory.md Eq. 2.16: the axial wall bears its target within 0.2 %; Love-Weber stress differs by the
+    // friction on the side walls, and by what is out of balance.
+    const RevState &state = get_loaded_rev().get_committed();
+    const auto contacts = list_contacts(state, get_loaded_rev().get_law());
+    const double on_walls = compute_wall_stress(state.cell, contacts).z(), volume = state.cell.compute_volume();
+    EXPECT_NEAR(on_walls, -1e6, 2e-3 * 1e6);
+    double friction = 0., mean_force = 0.;
+    for (const Contact &contact : contacts)
+      {
+        mean_force += contact.normal_force / static_cast<double>(contacts.size());
+        if (is_wall(contact.b) && get_axis(to_wall(contact.b)) != 2)
+          friction +=
+              (state.grains.place[contact.a].z - 0.5) * state.cell.edges(2, 2) * contact.shear_force.z() / volume;
+      }
+    const double resultants = static_cast<double>(state.grains.size()) * state.unbalanced_ratio * mean_force;
+    EXPECT_NEAR(state.stress(2, 2), on_walls + friction, 0.5 * resultants * state.cell.edges(2, 2) / volume);
+    EXPECT_GT(std::abs(friction), 0.01 * 1e6);
   }
 
   TEST_F(WalledState, SnapshotKeepsEveryBit)
