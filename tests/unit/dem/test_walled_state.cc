@@ -1,3 +1,4 @@
+#include "dem/contact_network.h"
 #include "dem/packing_file.h"
 #include "dem/programme_check.h"
 #include "dem/snapshot.h"
@@ -88,6 +89,22 @@ namespace
     const RevState copy = read_snapshot(path("box.h5")).state;
     EXPECT_EQ(copy.cell.kind, CellKind::rigid);
     EXPECT_TRUE(are_equal_bits(copy, state));
+  }
+
+  TEST_F(WalledState, NetworkTakesOverWhatWallsRemember)
+  {
+    // Law: a network built anew goes on with the shear forces of the walls, in the same order.
+    const RevState &state = get_loaded_rev().get_committed();
+    const auto &expected = state.contacts;
+    const auto again = collect_memories(build_contact_network(state, 0.3 * radius));
+    ASSERT_EQ(again.size(), expected.size());
+    for (std::size_t i = 0; i < again.size(); ++i)
+      {
+        EXPECT_EQ(again[i].a, expected[i].a);
+        EXPECT_EQ(again[i].b, expected[i].b);
+        EXPECT_EQ(again[i].shear_force, expected[i].shear_force);
+        EXPECT_EQ(again[i].is_sliding, expected[i].is_sliding);
+      }
   }
 
   TEST_F(WalledState, ResumedRunKeepsEveryBit)
