@@ -62,15 +62,29 @@ class Cracks:
 
 def read_cracks(path):
     """Reads the cracks of one snapshot; raises BadInput naming file and dataset."""
+    return Cracks(*_read_grains(path, ("id", "radius", "crack_half_length", "crack_velocity")))
+
+
+def read_identities(path):
+    """(id, id of the grain that it is a sibling of) of each grain; raises BadInput naming file and dataset."""
+    return _read_grains(path, ("id", "parent"))
+
+
+def read_stresses(path):
+    """(strength, largest contact stress) of each grain [Pa], compression-positive; raises BadInput naming file and dataset."""
+    return _read_grains(path, ("strength", "largest_contact_stress"))
+
+
+def _read_grains(path, names):
+    """Datasets of /grains, one value a grain."""
     try:
         with h5py.File(path, "r") as file:
-            values = [_read_dataset(file, path, f"/grains/{name}", (None,))
-                      for name in ("id", "radius", "crack_half_length", "crack_velocity")]
+            values = [_read_dataset(file, path, f"/grains/{name}", (None,)) for name in names]
     except OSError as error:
         raise BadInput(f"{path}: not a readable HDF5 file ({_first_line(error)})") from None
     if len({len(array) for array in values}) > 1:
-        raise BadInput(f"{path}: datasets /grains/id, radius, crack_half_length, crack_velocity differ in length")
-    return Cracks(*values)
+        raise BadInput(f"{path}: datasets /grains/{', '.join(names)} differ in length")
+    return values
 
 
 def _read_dataset(file, path, name, shape):

@@ -1,0 +1,1 @@
+"""The experiments of the time-to-fracture paper, one module for each specimen."""
