@@ -15,7 +15,7 @@ from pathlib import Path
 
 from plotting.errors import BadInput, NotInThisRun
 from plotting.run_folder import RunFolder, read_parameters
-from study.run_queue import ENVIRONMENT
+from study.run_queue import ENVIRONMENT, die_with_parent
 
 SOURCE = Path(__file__).resolve().parents[2]
 PROGRAM = "slowsand-rev"
@@ -31,12 +31,23 @@ class Chains:
     """Where the program and the run folders are, and what is set in every run."""
 
     def __init__(self, programs, folder, settings, n_processes):
-        self._program, self._folder = Path(programs).resolve() / PROGRAM, Path(folder).resolve()
+        built, self._folder = Path(programs).resolve() / PROGRAM, Path(folder).resolve()
         self._settings, self._n_processes = settings, n_processes
-        if not self._program.is_file():
-            raise BadInput(f"{self._program}: has not been built (bash apps/build.sh), or is elsewhere (--programs DIR)")
+        if not built.is_file():
+            raise BadInput(f"{built}: has not been built (bash apps/build.sh), or is elsewhere (--programs DIR)")
         self._folder.mkdir(parents=True, exist_ok=True)
-        self._digest = hashlib.sha256(self._program.read_bytes()).hexdigest()
+        self._program = self._keep_program(built)
+
+    def _keep_program(self, built):
+        """A copy beside the runs: whoever builds anew meanwhile must not mix two programs in one table."""
+        content = built.read_bytes()
+        self._digest = hashlib.sha256(content).hexdigest()
+        kept = self._folder / f"{PROGRAM}-{self._digest[:10]}"
+        if not kept.is_file() or kept.read_bytes() != content:
+            temporary = kept.with_name(f"{kept.name}.{os.getpid()}.tmp")
+            shutil.copy2(built, temporary)
+            temporary.rename(kept)
+        return kept
 
     def describe_program(self):
         """Version line of the program."""
@@ -93,7 +104,8 @@ class Chains:
         print(f"paper: {output.name}", file=sys.stderr, flush=True)
         try:
             done = subprocess.run([self._program, *map(str, arguments), "--quiet"], capture_output=True, text=True,
-                                  timeout=LONGEST_RUN, env=dict(os.environ, **ENVIRONMENT))
+                                  timeout=LONGEST_RUN, env=dict(os.environ, **ENVIRONMENT),
+                                  preexec_fn=die_with_parent)
         except subprocess.TimeoutExpired:
             raise RunFailed(f"{output.name}: not finished within {LONGEST_RUN} s") from None
         if done.returncode != 0:

@@ -10,7 +10,8 @@ from plotting.snapshot import Snapshot, read_identities, read_snapshot
 
 from .specimens import find_snapshot, load, pack
 
-GRADING = ((0.10, 0.), (0.15, 9.), (0.18, 24.), (0.21, 50.), (0.23, 65.), (0.25, 85.), (0.27, 100.))  # NE34 [mm], [%]
+# NE34 as the programs make it (dem/grading.cc) [mm], [%]
+GRADING = ((0.10, 0.), (0.15, 9.), (0.18, 24.), (0.21, 50.), (0.23, 65.), (0.25, 85.), (0.27, 100.))
 SIBLINGS = 14
 
 

@@ -26,7 +26,7 @@ EXPERIMENTS = {"fig1": packing.draw_split_grain, "fig2": packing.draw_rev, "fig3
                "fig8": oedometer.draw_fluctuation, "triaxial": triaxial.draw_strength, "fig9": triaxial.draw_creep,
                "fig10": triaxial.draw_fluctuation, "fig11": triaxial.draw_deviations}
 CASES = SOURCE / "apps" / "cases" / "paper"
-SMALL = {"Packing/Grains": 200, "Packing/Void ratio tolerance": 0.02, "Fracture/Batch limit": 1}  # N_max: 0.26 %, too
+SMALL = {"Packing/Grains": 200, "Packing/Void ratio tolerance": 0.02, "Fracture/Batch limit": 1}
 BATCHES = {"small": (1, 2, 4), "full": (5, 10, 20, 30, 60, 100, 200)}
 HEADINGS = {"full": "Full size: 11497 grains", "small": "Small size: 200 grains"}
 

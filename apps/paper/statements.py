@@ -58,7 +58,9 @@ class Results:
         self.rows[key] = Row(self.statements[key], [float(v) for v in values], list(faults))
 
     def add_note(self, figure, quantity, unit, values):
-        """A number beyond the paper's statements."""
+        """A number beyond the paper's statements; no row without values."""
+        if not len(values):
+            return
         self.notes.append((Statement("", figure, quantity, "", unit, math.nan, math.nan, False, ""),
                            [float(v) for v in values]))
 

@@ -104,6 +104,7 @@ def draw_fluctuation(laboratory):
         axes.plot(np.concatenate([j.broken for j in jumps] or [[]]), np.concatenate([j.mean for j in jumps] or [[]]) / 1e6,
                   "o", color=colour, markerfacecolor="none", markeredgewidth=0.6, label=rf"q/q$_{{max}}$ = {share}")
     axes.axhline(LIMITS[0], color="0.6", linestyle="--", linewidth=0.6, label="the paper's limit")
+    axes.xaxis.get_major_locator().set_params(integer=True)
     axes.set_xlabel("grains broken at once [-]")
     axes.set_ylabel("mean of largest rise and drop\nof vertical stress [MPa]")
     axes.legend(loc="best")
@@ -128,7 +129,7 @@ def draw_deviations(laboratory):
             axes.axhline(sign * LIMITS[1], color="0.6", linestyle="--", linewidth=0.6)
         axes.set_title(rf"q/q$_{{max}}$ = {share}", fontsize=7)
         axes.set_ylabel("deviation [%]")
-    panels[-1].set_xlabel("time since the start of creep [s] (broken lines: the paper's 2 %)")
+    panels[-1].set_xlabel("time since the start of creep [s]\n(broken lines: the paper's 2 %)")
     style.save(figure, laboratory.figures, "fig11")
 
 

@@ -16,6 +16,7 @@ ENVIRONMENT = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": 
 PAUSE = 0.02  # [s] between two looks at the processes
 GRACE = 10.  # [s] from SIGTERM to SIGKILL
 PR_SET_PDEATHSIG = 1  # <sys/prctl.h>
+LIBC = ctypes.CDLL(None)  # loaded here: a child before its exec should do as little as it can
 
 
 @dataclass
@@ -36,7 +37,6 @@ class RunQueue:
         self._program, self._case, self._folder = program, case, folder
         self._n_processes, self._timeout = n_processes, timeout
         self._is_stopped = False
-        self._libc = ctypes.CDLL(None)  # loaded here: a child before its exec should do as little as it can
 
     def stop(self):
         """No more runs are started, those under way are ended; what a signal handler may call."""
@@ -79,13 +79,9 @@ class RunQueue:
         with open(folder / "run.log", "ab" if is_resumed else "wb") as log:
             process = subprocess.Popen([*map(str, command), "--quiet"], stdin=subprocess.DEVNULL,
                                        stdout=subprocess.DEVNULL, stderr=log, env=dict(os.environ, **ENVIRONMENT),
-                                       start_new_session=True, preexec_fn=self._die_with_parent)
+                                       start_new_session=True, preexec_fn=die_with_parent)
         now = time.monotonic()
         return Process(run, process, now, is_resumed, now + self._timeout)
-
-    def _die_with_parent(self):
-        """In the child: no run outlives a study that was killed, to write into a folder that is then resumed."""
-        self._libc.prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
 
     def _end_late(self, active):
         now = time.monotonic()
@@ -111,6 +107,11 @@ class RunQueue:
         if lines:
             return lines[-1]
         return f"ended by signal {-status}" if status < 0 else "no message"
+
+
+def die_with_parent():
+    """In the child: no run outlives what started it and was killed, to write into a folder that is then resumed."""
+    LIBC.prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
 
 
 def end_processes(processes):

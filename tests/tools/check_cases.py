@@ -98,8 +98,10 @@ def main():
     parser.add_argument("--build", type=Path, required=True)
     options = parser.parse_args()
     source = options.source.resolve()
-    faults, skipped, n_checked = check_folder(source / "apps" / "cases", options.build.resolve(), source)
-    faults = check_self() + faults
+    faults, skipped, n_checked = check_self(), [], 0
+    for folder in ("apps/cases", "apps/cases/paper"):
+        found = check_folder(source / folder, options.build.resolve(), source)
+        faults, skipped, n_checked = faults + found[0], skipped + found[1], n_checked + found[2]
     print("\n".join(faults + skipped + [f"{n_checked} cases checked"]))
     if faults:
         return 1

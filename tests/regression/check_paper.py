@@ -1,0 +1,119 @@
+"""Law: one command makes every experiment of the time-to-fracture paper in its small size, with a row for each statement,
+a figure for each experiment, and closed-form statements met; verdicts follow their bounds; bad input is refused."""
+
+import csv
+import math
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+
+from study_cases import PATIENCE, StudyTest, run_tests  # noqa: E402
+
+FIGURES = ("fig1", "fig2", "fig3", "fig5", "fig6", "fig7", "fig8", "triaxial", "fig9", "fig10", "fig11")
+CLOSED_FORMS = ("siblings", "slope", "v0", "first_jump")
+COLUMNS = ["figure", "statement", "paper", "ours", "scatter", "agrees"]
+
+
+def read_rows(path):
+    with open(path, newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+class Paper(StudyTest):
+    def run_paper(self, *arguments, status=0):
+        done = subprocess.run(["bash", str(self.source / "apps/cases/paper/run.sh"), *map(str, arguments)],
+                              capture_output=True, text=True, timeout=2 * PATIENCE)
+        self.assertEqual(done.returncode, status, done.stdout + done.stderr)
+        return done
+
+    def test_small_set_is_whole(self):
+        statements = read_rows(self.source / "apps/cases/paper/statements.csv")
+        document = self.folder / "paper.md"
+        options = ("--programs", self.build, "--runs", self.folder / "runs")
+        self.run_paper("small", *options, "--document", document)
+        output = self.folder / "paper" / "small"
+        self.check_rows(statements, read_rows(output / "results.csv"))
+        for figure in FIGURES:
+            picture = (output / "figures" / f"{figure}.png").read_bytes()
+            self.assertTrue(picture.startswith(b"\x89PNG") and picture.rstrip().endswith(b"IEND\xaeB`\x82"), figure)
+        self.check_page(statements, document.read_text(encoding="utf-8"))
+        self.check_one_again(options, output)
+
+    def check_rows(self, statements, rows):
+        self.assertEqual(list(rows[0]), COLUMNS)
+        for statement in statements:
+            text = statement["statement"] + (f" [{statement['unit']}]" if statement["unit"] != "-" else "")
+            found = [row for row in rows if row["figure"] == statement["figure"] and row["statement"] == text]
+            self.assertEqual(len(found), 1, text)
+            self.assertEqual(found[0]["paper"], statement["paper"])
+            self.assertTrue(math.isfinite(float(found[0]["ours"])), text)
+            if statement["key"] in CLOSED_FORMS:
+                self.assertEqual(found[0]["agrees"], "yes", text)
+            elif statement["full_only"] == "yes" or not statement["low"]:
+                self.assertEqual(found[0]["agrees"], "-", text)
+            else:  # to four digits, as printed
+                ours, slack = float(found[0]["ours"]), 1e-3 * abs(float(found[0]["ours"]))
+                if float(statement["low"]) + slack <= ours <= float(statement["high"]) - slack:
+                    self.assertEqual(found[0]["agrees"], "yes", text)
+                if not float(statement["low"]) - slack <= ours <= float(statement["high"]) + slack:
+                    self.assertEqual(found[0]["agrees"], "no", text)
+        slope = [row for row in rows if row["statement"].startswith("slope of log crack velocity")][0]
+        self.assertEqual(slope["ours"], "60")
+
+    def check_page(self, statements, page):
+        for statement in statements:
+            self.assertIn(statement["statement"], page)
+        for link in re.findall(r"!\[[^]]*\]\(([^)]+)\)", page):
+            self.assertTrue((self.folder / link).is_file(), link)
+
+    def check_one_again(self, options, output):
+        """Runs are found again: nothing is started, the numbers are the same."""
+        again = self.folder / "again"
+        done = self.run_paper("small", "fig3", *options, "--output", again)
+        self.assertNotIn("paper: ", done.stderr)
+        rows = read_rows(again / "results.csv")
+        self.assertEqual(rows, [row for row in read_rows(output / "results.csv") if row["figure"] == "fig3"])
+
+    def test_run_that_fails_is_said(self):
+        program = self.folder / "slowsand-rev"
+        program.write_text("#!/bin/bash\necho 'disk is full' >&2\nexit 1\n", encoding="utf-8")
+        program.chmod(0o755)
+        done = self.run_paper("small", "fig7", "fig2", "--programs", self.folder, "--output", self.folder / "out", status=1)
+        self.assertIn("exit status 1: disk is full", done.stderr)
+        rows = read_rows(self.folder / "out" / "results.csv")
+        self.assertEqual({row["agrees"] for row in rows}, {"no result"})
+        self.assertEqual({row["figure"] for row in rows}, {"fig2", "fig7"})
+
+    def test_bad_input(self):
+        done = self.run_paper("small", "fig4", "--programs", self.build, status=2)
+        self.assertIn("no experiment 'fig4'", done.stderr)
+        done = self.run_paper("small", "--programs", self.folder, "--output", self.folder / "out", status=2)
+        self.assertIn("has not been built", done.stderr)
+
+    def test_verdicts_follow_their_bounds(self):
+        sys.path.insert(0, str(self.source / "apps"))
+        from paper.statements import Results, read_statements
+        for values, is_full, expected in (([22., 23.], True, "yes"), ([10., 12.], True, "no"), ([], True, "no result"),
+                                          ([math.nan], True, "no")):
+            results = Results(read_statements(self.source / "apps/cases/paper/statements.csv"), is_full)
+            results.add("q_max", values)
+            self.assertEqual(results.judge(results.rows["q_max"]), expected)
+        results = Results(results.statements, False)
+        results.add("grains", [200.])
+        self.assertEqual(results.judge(results.rows["grains"]), "-")
+
+    def test_drawn_grading_is_the_programs(self):
+        sys.path.insert(0, str(self.source / "apps"))
+        from paper.packing import GRADING
+        text = (self.source / "dem/grading.cc").read_text(encoding="utf-8")
+        body = text[text.index("Grading make_ne34_grading()"):]
+        points = re.findall(r"\{([\d.]+)e-3, ([\d.]+)\}", body[:body.index("};")])
+        self.assertEqual([(float(d), 100 * float(p)) for d, p in points], [tuple(point) for point in GRADING])
+
+
+if __name__ == "__main__":
+    run_tests(__doc__)
