@@ -51,7 +51,7 @@ def draw_first_computation(laboratory):
     stopped, faults = chains.run_seeds(
         lambda cycles: (cycles, run_batch(chains, seed, batch, {"Equilibrium/Fixed cycles": cycles})), FIXED_CYCLES,
         "cycles")
-    results.faults += faults
+    results.add_note("fig7", "points of the course", "-", [len(stopped)], faults)
     start = load(chains, seed)
     course = [(0, start.get_column("stress_zz_Pa")[-1], 0.)]
     for cycles, run in stopped:
@@ -96,9 +96,10 @@ def draw_fluctuation(laboratory):
     style.save(_draw_fluctuation(found), laboratory.figures, "fig8")
     batch = laboratory.usual_batch
     for name, value in VARIANTS:
-        runs, _ = chains.run_seeds(lambda seed, own={name: value}: run_batch(chains, seed, batch, own), laboratory.seeds)
+        runs, faults = chains.run_seeds(lambda seed, own={name: value}: run_batch(chains, seed, batch, own),
+                                        laboratory.seeds)
         results.add_note("fig8", f"{batch} broken at once, {name.rsplit('/', 1)[-1].lower()} {value}: mean of both", "MPa",
-                         [_find_first(run, batch)[2] / 1e6 for run in runs])
+                         [_find_first(run, batch)[2] / 1e6 for run in runs], faults)
 
 
 def _draw_fluctuation(found):

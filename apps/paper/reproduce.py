@@ -69,13 +69,13 @@ def main():
         laboratory = Laboratory(chains, results, seeds, options.output / "figures", is_full, BATCHES[options.size],
                                 FULL_BATCH if is_full else SMALL["Fracture/Batch limit"])
         options.output.mkdir(parents=True, exist_ok=True)
+        version = chains.describe_program()
         for name in options.experiments or EXPERIMENTS:
             try:
                 EXPERIMENTS[name](laboratory)
             except RunFailed as error:
-                results.faults.append(f"{name}: {error}")
-            results.write_csv(options.output / "results.csv")
-            document.write_part(options.output, results, options.size, seeds, chains.describe_program())
+                results.add_note(name, "experiment", "-", [], [str(error)])
+            document.write_rows(options.output, results, f"{version}, seeds 1 to {options.seeds}")
         if options.document:
             write_page(options.document)
     except BadInput as error:

@@ -6,7 +6,6 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-COLUMNS = ("figure", "statement", "paper", "ours", "scatter", "agrees")
 NOT_JUDGED, FAILED = "-", "no result"
 
 
@@ -50,30 +49,27 @@ class Results:
     statements: dict
     is_full: bool
     rows: dict = field(default_factory=dict)
-    notes: list = field(default_factory=list)  # (statement, values)
-    faults: list = field(default_factory=list)  # of experiments that could not go on, a line each
+    notes: list = field(default_factory=list)  # rows
 
     def add(self, key, values, faults=()):
         """@param values  one a seed; empty if no run gave one"""
         self.rows[key] = Row(self.statements[key], [float(v) for v in values], list(faults))
 
-    def add_note(self, figure, quantity, unit, values):
-        """A number beyond the paper's statements; no row without values."""
-        if not len(values):
-            return
-        self.notes.append((Statement("", figure, quantity, "", unit, math.nan, math.nan, False, ""),
-                           [float(v) for v in values]))
+    def add_note(self, figure, quantity, unit, values, faults=()):
+        """A number beyond the paper's statements; no row with neither values nor faults."""
+        if len(values) or faults:
+            self.notes.append(Row(Statement("", figure, quantity, "", unit, math.nan, math.nan, False, ""),
+                                  [float(v) for v in values], list(faults)))
 
     def sort_rows(self):
         """Rows figure by figure, those of the paper first."""
         order = list(dict.fromkeys(s.figure for s in self.statements.values()))
         rows = [self.rows[key] for key in self.statements if key in self.rows]
-        rows += [Row(statement, values, []) for statement, values in self.notes]
-        return sorted(rows, key=lambda row: order.index(row.statement.figure))
+        return sorted(rows + self.notes, key=lambda row: order.index(row.statement.figure))
 
     def list_faults(self):
         """What went wrong, each once."""
-        return list(dict.fromkeys([fault for row in self.rows.values() for fault in row.faults] + self.faults))
+        return list(dict.fromkeys(fault for row in self.sort_rows() for fault in row.faults))
 
     def judge(self, row):
         """yes, no, or why there is no verdict."""
@@ -83,15 +79,6 @@ class Results:
         if math.isnan(statement.low) or (statement.is_of_full_size and not self.is_full):
             return NOT_JUDGED
         return "yes" if statement.low <= row.ours <= statement.high else "no"
-
-    def write_csv(self, file):
-        with open(file, "w", newline="", encoding="utf-8") as stream:
-            writer = csv.writer(stream, lineterminator="\n")
-            writer.writerow(COLUMNS)
-            for row in self.sort_rows():
-                text = row.statement.text + (f" [{row.statement.unit}]" if row.statement.unit != "-" else "")
-                writer.writerow((row.statement.figure, text, row.statement.paper, format_number(row.ours),
-                                 format_number(row.scatter), self.judge(row)))
 
 
 def read_statements(path):

@@ -65,7 +65,7 @@ def draw_creep(laboratory):
         if share in (SHARES[0], SHARES[-1]):
             results.add(f"rupture_{share}", ruptured, faults)
         else:
-            results.add_note("fig9", f"q/q_max = {share}: share of seeds that rupture", "-", ruptured)
+            results.add_note("fig9", f"q/q_max = {share}: share of seeds that rupture", "-", ruptured, faults)
         results.add_note("fig9", f"q/q_max = {share}: log10 of the time of rupture [s], of the seeds that rupture", "-",
                          [np.log10(run.summary["rupture_time_s"]) for run in runs if "rupture_time_s" in run.summary])
         lines = [fit_line(DECADES, 100 * sample_creep(run, DECADES)) for run in runs]
