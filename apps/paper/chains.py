@@ -51,7 +51,8 @@ class Chains:
 
     def describe_program(self):
         """Version line of the program."""
-        return subprocess.run([self._program, "--version"], capture_output=True, text=True, timeout=60).stdout.strip()
+        said = subprocess.run([self._program, "--version"], capture_output=True, text=True, timeout=60).stdout.strip()
+        return said.replace(self._program.name, PROGRAM)
 
     def run_seeds(self, run_one, seeds, label="seed"):
         """(results of the seeds that could be run, what went wrong with the others, a line each).
