@@ -90,5 +90,7 @@ def read_statements(path):
 
 
 def format_number(value):
-    """Four significant digits: more would be noise."""
-    return "" if math.isnan(value) else f"{value:.4g}"
+    """Four significant digits, more would be noise; whole numbers (counts) in full."""
+    if math.isnan(value):
+        return ""
+    return f"{value:.0f}" if value == round(value) and abs(value) < 1e9 else f"{value:.4g}"

@@ -13,7 +13,8 @@ def sort_times(cracks):
     """Ids of the grains that will break and their times from now [s], the first first (ties by id)."""
     growing = cracks.velocity > 0
     time = np.full(len(cracks.id), np.inf)
-    time[growing] = np.maximum(cracks.radius[growing] - cracks.half_length[growing], 0.) / cracks.velocity[growing]
+    with np.errstate(over="ignore"):  # a crack may be too slow for a time that a double holds: it never breaks
+        time[growing] = np.maximum(cracks.radius[growing] - cracks.half_length[growing], 0.) / cracks.velocity[growing]
     order = np.lexsort((cracks.id, time))
     order = order[np.isfinite(time[order])]
     return cracks.id[order], time[order]
