@@ -51,7 +51,7 @@ def draw_first_computation(laboratory):
     stopped, faults = chains.run_seeds(
         lambda cycles: (cycles, run_batch(chains, seed, batch, {"Equilibrium/Fixed cycles": cycles})), FIXED_CYCLES,
         "cycles")
-    results.add_note("fig7", "points of the course", "-", [len(stopped)], faults)
+    results.add_note("fig7", "points of the course", "-", [len(stopped)] if stopped else [], faults)
     start = load(chains, seed)
     course = [(0, start.get_column("stress_zz_Pa")[-1], 0.)]
     for cycles, run in stopped:
