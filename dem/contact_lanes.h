@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-/** The contact law for eight contacts at once; compute_normal_response is its reference. */
+/** The contact law for sixteen contacts at once; compute_normal_response is its reference. */
 namespace dem
 {
   /** A vector of space, lane by lane. */
@@ -23,6 +23,12 @@ namespace dem
   [[gnu::always_inline]] inline LaneVector cross(const LaneVector &a, const LaneVector &b)
   {
     return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+  }
+
+  /** sum + a x b */
+  [[gnu::always_inline]] inline LaneVector add_cross(const LaneVector &sum, const LaneVector &a, const LaneVector &b)
+  {
+    return {sum.x + a.y * b.z - a.z * b.y, sum.y + a.z * b.x - a.x * b.z, sum.z + a.x * b.y - a.y * b.x};
   }
 
   /** a + factor b */
@@ -47,7 +53,7 @@ namespace dem
   [[gnu::always_inline]] inline NormalLanes compute_hertz_law(const ContactLaw &law, const Lanes overlap,
                                                               const Lanes root_radius)
   {
-    const Lanes tiny = make_lanes(1e-290); // keeps a touch of no depth from 0/0
+    constexpr double tiny = 1e-290; // keeps a touch of no depth from 0/0
     const double scale = 4. / 3. * law.effective_modulus;
     const Lanes root = root_radius * (overlap * compute_inverse_root(compute_larger(overlap, tiny)));
     return {scale * root * overlap, 1.5 * scale * root};
@@ -60,19 +66,19 @@ namespace dem
     // Of its length: a touch of no depth gives no force, no 0/0, and a power within its range whatever the exponent.
     const double smallest = std::exp2(-900. / std::max(law.b, law.c));
     const double first_length = 1. / law.dT1, second_length = 1. / (law.dT2 - law.d1);
-    const LaneMask is_first = overlap <= law.dT1;
-    const Lanes exponent = select(is_first, make_lanes(law.c), make_lanes(law.b));
-    const Lanes length = select(is_first, make_lanes(first_length), make_lanes(second_length));
-    const Lanes scale = select(is_first, make_lanes(law.force_scale_1), make_lanes(law.force_scale_2));
-    const Lanes share = (overlap - select(is_first, Lanes{}, make_lanes(law.d1))) * length;
-    const Lanes base = compute_larger(share, make_lanes(smallest));
+    const LaneMask is_later = law.dT1 < overlap;
+    const Lanes exponent = select(is_later, law.b, law.c);
+    const Lanes length = select(is_later, second_length, first_length);
+    const Lanes scale = select(is_later, law.force_scale_2, law.force_scale_1);
+    const Lanes share = (overlap - keep(is_later, law.d1)) * length;
+    const Lanes base = compute_larger(share, smallest);
     const Lanes force = root_radius * scale * compute_power(base, exponent);
     NormalLanes normal{force, force * exponent * length / base};
 
-    const LaneMask is_hertz = overlap > law.dT2;
+    const LaneMask is_hertz = law.dT2 < overlap;
     if (is_any(is_hertz))
       {
-        const Lanes depth = select(is_hertz, overlap - (law.d1 + law.d2), make_lanes(1.));
+        const Lanes depth = select(is_hertz, overlap - (law.d1 + law.d2), 1.);
         const NormalLanes hertz = compute_hertz_law(law, depth, root_radius);
         normal.force = select(is_hertz, hertz.force, normal.force);
         normal.stiffness = select(is_hertz, hertz.stiffness, normal.stiffness);
@@ -90,19 +96,18 @@ namespace dem
                                                              const LaneVector &n, const LaneVector &before,
                                                              const LaneVector &step)
   {
-    const Lanes tiny = make_lanes(1e-200); // keeps an unloaded contact's zero shear from 0/0
-    const LaneVector flat = add(before, -dot(before, n), n);
-    const Lanes square = dot(before, before);
-    const Lanes turn = square * compute_inverse_root(compute_larger(square * dot(flat, flat), tiny));
+    constexpr double tiny = 1e-200; // keeps an unloaded contact's zero shear from 0/0
+    const Lanes square = dot(before, before), along = dot(before, n), flat_square = square - along * along;
+    const Lanes turn = square * compute_inverse_root(compute_larger(square * flat_square, tiny));
     const Lanes kt = law.shear_ratio * normal.stiffness;
-    const LaneVector slip = add(step, -dot(step, n), n);
-    const LaneVector grown{turn * flat.x + kt * slip.x, turn * flat.y + kt * slip.y, turn * flat.z + kt * slip.z};
+    const LaneVector leaning{turn * before.x + kt * step.x, turn * before.y + kt * step.y,
+                             turn * before.z + kt * step.z};
+    const LaneVector grown = add(leaning, -dot(leaning, n), n);
     const Lanes cap = law.friction * normal.force;
     const Lanes size_square = dot(grown, grown);
     ShearLanes shear;
-    shear.is_sliding = size_square > cap * cap;
-    const Lanes share =
-        select(shear.is_sliding, cap * compute_inverse_root(compute_larger(size_square, tiny)), make_lanes(1.));
+    shear.is_sliding = cap * cap < size_square;
+    const Lanes share = select(shear.is_sliding, cap * compute_inverse_root(compute_larger(size_square, tiny)), 1.);
     shear.force = {share * grown.x, share * grown.y, share * grown.z};
     return shear;
   }

@@ -1,6 +1,5 @@
 #include "dem/contact_network.h"
 
-#include "dem/lanes.h"
 #include "dem/memory.h"
 #include "dem/wall_contacts.h"
 
@@ -26,10 +25,17 @@ namespace dem
         }
     }
 
+    void append_places(ContactNetwork &network, const std::uint32_t a, const std::uint32_t b)
+    {
+      network.a.push_back(a);
+      network.b.push_back(b);
+      network.row_a.push_back(static_cast<RowOffset>(a * sizeof(Row)));
+      network.row_b.push_back(static_cast<RowOffset>(b * sizeof(Row)));
+    }
+
     void append(ContactNetwork &network, const NearPair &pair, const std::vector<Row> &place)
     {
-      network.a.push_back(pair.a);
-      network.b.push_back(pair.b);
+      append_places(network, pair.a, pair.b);
       network.radius_sum.push_back(place[pair.a].w + place[pair.b].w);
       network.root_radius.push_back(std::sqrt(compute_effective_radius(place[pair.a].w, place[pair.b].w)));
     }
@@ -39,8 +45,7 @@ namespace dem
     {
       while (network.a.size() % n_lanes != 0)
         {
-          network.a.push_back(static_cast<std::uint32_t>(grain));
-          network.b.push_back(static_cast<std::uint32_t>(grain));
+          append_places(network, static_cast<std::uint32_t>(grain), static_cast<std::uint32_t>(grain));
           network.radius_sum.push_back(0.);
           network.root_radius.push_back(0.);
         }
@@ -141,7 +146,7 @@ namespace dem
 
   std::size_t ContactNetwork::count_bytes() const
   {
-    return dem::count_bytes(a, b, radius_sum, root_radius, shear_x, shear_y, shear_z, status, blocks, incoming_far,
+    return dem::count_bytes(a, b, row_a, row_b, radius_sum, root_radius, shear_x, shear_y, shear_z, status, blocks, incoming_far,
                             incoming_grain, wall_pairs, place_when_built);
   }
 

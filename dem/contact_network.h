@@ -3,6 +3,7 @@
 #include "dem/contact.h"
 #include "dem/contact_law.h"
 #include "dem/contact_search.h"
+#include "dem/lane_rows.h"
 #include "dem/rev_state.h"
 
 #include <span>
@@ -52,6 +53,7 @@ namespace dem
   struct ContactNetwork
   {
     std::vector<std::uint32_t> a, b;
+    std::vector<RowOffset> row_a, row_b;           ///< where their rows lie in arrays of the grains
     std::vector<double> radius_sum;                ///< Ra + Rb [m]
     std::vector<double> root_radius;               ///< sqrt(R*) [m^0.5]
     std::vector<double> shear_x, shear_y, shear_z; ///< shear force on a [N]; zero where apart

@@ -4,180 +4,282 @@
 
 #include <cmath>
 #include <cstdint>
-#ifdef __AVX512F__
+#ifdef __AVX512VL__ // what has it has all that is used here
 #include <immintrin.h>
 #endif
 
 /**
- * Eight contacts side by side, in gcc's vector types: one register each with AVX-512, several with less.
+ * Sixteen contacts side by side, in two of gcc's vectors of eight: one register each with AVX-512, several with less.
+ * Each operation is done to both halves in turn, so that one half computes while the other waits for what it computed
+ * before: alone, chains of square roots would set the pace.
  *
  * Grains lie in memory as rows of four numbers. Eight rows are read with eight aligned loads and turned into four
- * vectors of eight inside the registers, which is faster than gathering single numbers.
+ * vectors of eight inside the registers, which is faster than gathering single numbers (dem/lane_rows.h).
  */
 namespace dem
 {
-  inline constexpr int n_lanes = 8;
+  inline constexpr int n_lanes = 16;
+  inline constexpr int n_half = 8; ///< lanes of one vector
 
-  using Lanes = double __attribute__((vector_size(64)));
-  using LaneMask = std::int64_t __attribute__((vector_size(64))); ///< all bits of a lane set, or none
-  using RowLanes = double __attribute__((vector_size(32), may_alias));
-  using RowMask = std::int64_t __attribute__((vector_size(32), may_alias));
+  using Half = double __attribute__((vector_size(64)));
+  using HalfBits = std::int64_t __attribute__((vector_size(64)));
+#ifdef __AVX512VL__
+  using HalfMask = __mmask8; ///< a bit a lane
+#else
+  using HalfMask = HalfBits; ///< all bits of a lane set, or none
+#endif
 
-  /** The four numbers of eight rows, number by number. */
-  struct RowsOfLanes
+  /** Numbers, lane by lane. */
+  struct Lanes
   {
-    Lanes x, y, z, w;
+    Half low, high;
+
+    Lanes() = default;
+    [[gnu::always_inline]] Lanes(const Half l, const Half h) : low(l), high(h) {}
+    [[gnu::always_inline]] Lanes(const double x) : low{x, x, x, x, x, x, x, x}, high(low) {} ///< the same in all lanes
   };
 
-  [[gnu::always_inline]] inline Lanes make_lanes(const double value)
+  /** The bits of numbers, lane by lane. */
+  struct LaneBits
   {
-    return Lanes{} + value;
+    HalfBits low, high;
+
+    LaneBits() = default;
+    [[gnu::always_inline]] LaneBits(const HalfBits l, const HalfBits h) : low(l), high(h) {}
+    [[gnu::always_inline]] LaneBits(const std::int64_t x) : low{x, x, x, x, x, x, x, x}, high(low) {}
+  };
+
+  /** Yes or no, lane by lane. */
+  struct LaneMask
+  {
+    HalfMask low, high;
+  };
+
+  [[gnu::always_inline]] inline Lanes operator+(const Lanes a, const Lanes b)
+  {
+    return {a.low + b.low, a.high + b.high};
   }
 
-  [[gnu::always_inline]] inline Lanes select(const LaneMask mask, const Lanes yes, const Lanes no)
+  [[gnu::always_inline]] inline Lanes operator-(const Lanes a, const Lanes b)
+  {
+    return {a.low - b.low, a.high - b.high};
+  }
+
+  [[gnu::always_inline]] inline Lanes operator*(const Lanes a, const Lanes b)
+  {
+    return {a.low * b.low, a.high * b.high};
+  }
+
+  [[gnu::always_inline]] inline Lanes operator/(const Lanes a, const Lanes b)
+  {
+    return {a.low / b.low, a.high / b.high};
+  }
+
+  [[gnu::always_inline]] inline Lanes operator-(const Lanes a)
+  {
+    return {-a.low, -a.high};
+  }
+
+  [[gnu::always_inline]] inline Lanes &operator+=(Lanes &a, const Lanes b)
+  {
+    return a = a + b;
+  }
+
+  [[gnu::always_inline]] inline LaneBits operator+(const LaneBits a, const LaneBits b)
+  {
+    return {a.low + b.low, a.high + b.high};
+  }
+
+  [[gnu::always_inline]] inline LaneBits operator-(const LaneBits a, const LaneBits b)
+  {
+    return {a.low - b.low, a.high - b.high};
+  }
+
+  [[gnu::always_inline]] inline LaneBits operator&(const LaneBits a, const LaneBits b)
+  {
+    return {a.low & b.low, a.high & b.high};
+  }
+
+  [[gnu::always_inline]] inline LaneBits operator|(const LaneBits a, const LaneBits b)
+  {
+    return {a.low | b.low, a.high | b.high};
+  }
+
+  [[gnu::always_inline]] inline LaneBits operator<<(const LaneBits a, const int n)
+  {
+    return {a.low << n, a.high << n};
+  }
+
+  [[gnu::always_inline]] inline LaneBits operator>>(const LaneBits a, const int n)
+  {
+    return {a.low >> n, a.high >> n};
+  }
+
+  [[gnu::always_inline]] inline LaneMask operator&(const LaneMask a, const LaneMask b)
+  {
+    return {static_cast<HalfMask>(a.low & b.low), static_cast<HalfMask>(a.high & b.high)};
+  }
+
+  [[gnu::always_inline]] inline LaneBits get_bits(const Lanes a)
+  {
+    return {reinterpret_cast<HalfBits>(a.low), reinterpret_cast<HalfBits>(a.high)};
+  }
+
+  [[gnu::always_inline]] inline Lanes get_numbers(const LaneBits a)
+  {
+    return {reinterpret_cast<Half>(a.low), reinterpret_cast<Half>(a.high)};
+  }
+
+#ifdef __AVX512VL__
+  [[gnu::always_inline]] inline HalfMask is_less(const Half a, const Half b)
+  {
+    return _mm512_cmp_pd_mask(reinterpret_cast<__m512d>(a), reinterpret_cast<__m512d>(b), _CMP_LT_OQ);
+  }
+
+  [[gnu::always_inline]] inline Half select(const HalfMask mask, const Half yes, const Half no)
+  {
+    return reinterpret_cast<Half>(
+        _mm512_mask_blend_pd(mask, reinterpret_cast<__m512d>(no), reinterpret_cast<__m512d>(yes)));
+  }
+
+  [[gnu::always_inline]] inline Half compute_larger(const Half a, const Half b)
+  {
+    return reinterpret_cast<Half>(_mm512_max_pd(reinterpret_cast<__m512d>(a), reinterpret_cast<__m512d>(b)));
+  }
+
+  [[gnu::always_inline]] inline Half estimate_inverse_root(const Half a)
+  {
+    return reinterpret_cast<Half>(_mm512_rsqrt14_pd(reinterpret_cast<__m512d>(a)));
+  }
+
+  /** What is left of a number once the nearest whole one is taken away. */
+  [[gnu::always_inline]] inline Half compute_remainder(const Half a)
+  {
+    return reinterpret_cast<Half>(_mm512_reduce_pd(reinterpret_cast<__m512d>(a), 0));
+  }
+
+  [[gnu::always_inline]] inline int count(const LaneMask mask)
+  {
+    return __builtin_popcount(mask.low | mask.high << n_half);
+  }
+#else
+  [[gnu::always_inline]] inline HalfMask is_less(const Half a, const Half b)
+  {
+    return a < b;
+  }
+
+  [[gnu::always_inline]] inline Half select(const HalfMask mask, const Half yes, const Half no)
   {
     return mask ? yes : no;
   }
 
-  [[gnu::always_inline]] inline Lanes keep(const LaneMask mask, const Lanes value)
+  [[gnu::always_inline]] inline Half compute_larger(const Half a, const Half b)
   {
-    return reinterpret_cast<Lanes>(reinterpret_cast<LaneMask>(value) & mask);
+    return a > b ? a : b;
   }
 
-  /** Nearest whole number, |value| < 2^51. */
-  [[gnu::always_inline]] inline Lanes round_lanes(const Lanes value)
+  [[gnu::always_inline]] inline Half compute_remainder(const Half a)
   {
     constexpr double rounder = 6755399441055744.; // 1.5 2^52: its last digit is worth 1
-    return (value + rounder) - rounder;
+    return a - ((a + rounder) - rounder);
+  }
+
+  [[gnu::always_inline]] inline int count(const LaneMask mask)
+  {
+    const HalfBits both = -(mask.low + mask.high);
+    int n = 0;
+    for (int i = 0; i < n_half; ++i)
+      n += static_cast<int>(both[i]);
+    return n;
+  }
+#endif
+
+  [[gnu::always_inline]] inline LaneMask operator<(const Lanes a, const Lanes b)
+  {
+    return {is_less(a.low, b.low), is_less(a.high, b.high)};
+  }
+
+  [[gnu::always_inline]] inline bool is_any(const LaneMask mask)
+  {
+    return count(mask) != 0;
+  }
+
+  [[gnu::always_inline]] inline Lanes select(const LaneMask mask, const Lanes yes, const Lanes no)
+  {
+    return {select(mask.low, yes.low, no.low), select(mask.high, yes.high, no.high)};
+  }
+
+  [[gnu::always_inline]] inline Lanes keep(const LaneMask mask, const Lanes value)
+  {
+    return select(mask, value, Lanes(0.));
+  }
+
+  [[gnu::always_inline]] inline Lanes compute_larger(const Lanes a, const Lanes b)
+  {
+    return {compute_larger(a.low, b.low), compute_larger(a.high, b.high)};
+  }
+
+  /** value - rint(value), |value| < 2^51. */
+  [[gnu::always_inline]] inline Lanes compute_remainder(const Lanes value)
+  {
+    return {compute_remainder(value.low), compute_remainder(value.high)};
   }
 
   /** 1/sqrt(value) to some roundings. @pre value > 0, normal */
   [[gnu::always_inline]] inline Lanes compute_inverse_root(const Lanes value)
   {
-#ifdef __AVX512F__
-    Lanes root = reinterpret_cast<Lanes>(_mm512_rsqrt14_pd(reinterpret_cast<__m512d>(value)));
-    const Lanes half = 0.5 * value;
-    root = root * (1.5 - half * root * root); // 14 bits, 28
-    const Lanes rest = 0.5 - half * root * root;
-    return root + root * rest; // 56: the rest is small, so that its rounding does not count
+#ifdef __AVX512VL__
+    const Lanes root{estimate_inverse_root(value.low), estimate_inverse_root(value.high)};
+    // value root^2 = 1 - e with |e| < 2^-13: (1 - e)^-1/2 to the third power of e, the fourth is below 2^-53.
+    const Lanes e = 1. - (value * root) * root;
+    const Lanes series = (5. / 16. * e + 3. / 8.) * e + 0.5;
+    return root + (root * e) * series;
 #else
     Lanes root;
-    for (int i = 0; i < n_lanes; ++i)
-      root[i] = 1. / std::sqrt(value[i]);
+    for (int i = 0; i < n_half; ++i)
+      {
+        root.low[i] = 1. / std::sqrt(value.low[i]);
+        root.high[i] = 1. / std::sqrt(value.high[i]);
+      }
     return root;
-#endif
-  }
-
-  [[gnu::always_inline]] inline Lanes compute_larger(const Lanes a, const Lanes b)
-  {
-    return a > b ? a : b;
-  }
-
-  [[gnu::always_inline]] inline bool is_any(const LaneMask mask)
-  {
-#ifdef __AVX512DQ__
-    return _mm512_movepi64_mask(reinterpret_cast<__m512i>(mask)) != 0;
-#else
-    std::int64_t all = 0;
-    for (int i = 0; i < n_lanes; ++i)
-      all |= mask[i];
-    return all != 0;
 #endif
   }
 
   [[gnu::always_inline]] inline double sum_lanes(const Lanes value)
   {
-    return ((value[0] + value[4]) + (value[2] + value[6])) + ((value[1] + value[5]) + (value[3] + value[7]));
+    const Half sum = value.low + value.high;
+    return ((sum[0] + sum[4]) + (sum[2] + sum[6])) + ((sum[1] + sum[5]) + (sum[3] + sum[7]));
   }
 
-  [[gnu::always_inline]] inline RowLanes load_row(const Row &row)
-  {
-    return *reinterpret_cast<const RowLanes *>(&row);
-  }
-
-  [[gnu::always_inline]] inline void store_row(Row &row, const RowLanes value)
-  {
-    *reinterpret_cast<RowLanes *>(&row) = value;
-  }
-
-  [[gnu::always_inline]] inline void add_row(Row &row, const RowLanes value)
-  {
-    store_row(row, load_row(row) + value);
-  }
-
-  [[gnu::always_inline]] inline Lanes join(const RowLanes low, const RowLanes high)
-  {
-#ifdef __AVX512F__
-    return reinterpret_cast<Lanes>(
-        _mm512_insertf64x4(_mm512_castpd256_pd512(reinterpret_cast<__m256d>(low)), reinterpret_cast<__m256d>(high), 1));
-#else
-    return __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7);
-#endif
-  }
-
-  /** Eight rows, number by number. */
-  [[gnu::always_inline]] inline RowsOfLanes transpose(const Lanes r04, const Lanes r15, const Lanes r26,
-                                                      const Lanes r37)
-  {
-    const Lanes xz01 = __builtin_shufflevector(r04, r15, 0, 8, 2, 10, 4, 12, 6, 14);
-    const Lanes yw01 = __builtin_shufflevector(r04, r15, 1, 9, 3, 11, 5, 13, 7, 15);
-    const Lanes xz23 = __builtin_shufflevector(r26, r37, 0, 8, 2, 10, 4, 12, 6, 14);
-    const Lanes yw23 = __builtin_shufflevector(r26, r37, 1, 9, 3, 11, 5, 13, 7, 15);
-    return {__builtin_shufflevector(xz01, xz23, 0, 1, 8, 9, 4, 5, 12, 13),
-            __builtin_shufflevector(yw01, yw23, 0, 1, 8, 9, 4, 5, 12, 13),
-            __builtin_shufflevector(xz01, xz23, 2, 3, 10, 11, 6, 7, 14, 15),
-            __builtin_shufflevector(yw01, yw23, 2, 3, 10, 11, 6, 7, 14, 15)};
-  }
-
-  /** Rows at[0] to at[7] of an array. */
-  [[gnu::always_inline]] inline RowsOfLanes load_rows(const Row *rows, const std::uint32_t *at)
-  {
-    const auto load = [&](const int i) { return join(load_row(rows[at[i]]), load_row(rows[at[i + 4]])); };
-    return transpose(load(0), load(1), load(2), load(3));
-  }
-
-  /** Rows b[0] to b[7] less rows a[0] to a[7]. */
-  [[gnu::always_inline]] inline RowsOfLanes load_differences(const Row *rows, const std::uint32_t *a,
-                                                             const std::uint32_t *b)
-  {
-    const auto load = [&](const int i) {
-      return join(load_row(rows[b[i]]), load_row(rows[b[i + 4]])) -
-             join(load_row(rows[a[i]]), load_row(rows[a[i + 4]]));
-    };
-    return transpose(load(0), load(1), load(2), load(3));
-  }
-
-  /** Calls take(i, row) for the eight rows in their order: what load_rows does, backwards. */
-  template <typename Taker>
-  [[gnu::always_inline]] inline void give_rows(const RowsOfLanes &v, const Taker &take)
-  {
-    const Lanes xy0 = __builtin_shufflevector(v.x, v.y, 0, 8, 2, 10, 4, 12, 6, 14);
-    const Lanes xy1 = __builtin_shufflevector(v.x, v.y, 1, 9, 3, 11, 5, 13, 7, 15);
-    const Lanes zw0 = __builtin_shufflevector(v.z, v.w, 0, 8, 2, 10, 4, 12, 6, 14);
-    const Lanes zw1 = __builtin_shufflevector(v.z, v.w, 1, 9, 3, 11, 5, 13, 7, 15);
-    const Lanes r04 = __builtin_shufflevector(xy0, zw0, 0, 1, 8, 9, 4, 5, 12, 13);
-    const Lanes r26 = __builtin_shufflevector(xy0, zw0, 2, 3, 10, 11, 6, 7, 14, 15);
-    const Lanes r15 = __builtin_shufflevector(xy1, zw1, 0, 1, 8, 9, 4, 5, 12, 13);
-    const Lanes r37 = __builtin_shufflevector(xy1, zw1, 2, 3, 10, 11, 6, 7, 14, 15);
-    take(0, __builtin_shufflevector(r04, r04, 0, 1, 2, 3));
-    take(1, __builtin_shufflevector(r15, r15, 0, 1, 2, 3));
-    take(2, __builtin_shufflevector(r26, r26, 0, 1, 2, 3));
-    take(3, __builtin_shufflevector(r37, r37, 0, 1, 2, 3));
-    take(4, __builtin_shufflevector(r04, r04, 4, 5, 6, 7));
-    take(5, __builtin_shufflevector(r15, r15, 4, 5, 6, 7));
-    take(6, __builtin_shufflevector(r26, r26, 4, 5, 6, 7));
-    take(7, __builtin_shufflevector(r37, r37, 4, 5, 6, 7));
-  }
+  using UnalignedHalf = double __attribute__((vector_size(64), aligned(8), may_alias));
 
   [[gnu::always_inline]] inline Lanes load_lanes(const double *from)
   {
-    Lanes value;
-    __builtin_memcpy(&value, from, sizeof value);
-    return value;
+    return {*reinterpret_cast<const UnalignedHalf *>(from), *reinterpret_cast<const UnalignedHalf *>(from + n_half)};
   }
 
   [[gnu::always_inline]] inline void store_lanes(double *to, const Lanes value)
   {
-    __builtin_memcpy(to, &value, sizeof value);
+    *reinterpret_cast<UnalignedHalf *>(to) = value.low;
+    *reinterpret_cast<UnalignedHalf *>(to + n_half) = value.high;
+  }
+
+  /** A byte a lane: 0 where `is_any_sort` says no, else 1, or 2 where `is_second` says yes. */
+  template <typename Byte>
+  [[gnu::always_inline]] inline void store_sorts(Byte *const to, const LaneMask is_any_sort, const LaneMask is_second)
+  {
+    static_assert(sizeof(Byte) == 1);
+#ifdef __AVX512VL__
+    const auto join = [](const LaneMask mask) { return static_cast<__mmask16>(mask.low | mask.high << n_half); };
+    const __m128i sorts = _mm_mask_blend_epi8(join(is_second), _mm_set1_epi8(1), _mm_set1_epi8(2));
+    const __m128i bytes = _mm_maskz_mov_epi8(join(is_any_sort), sorts);
+    __builtin_memcpy(to, &bytes, sizeof bytes);
+#else
+    using Bytes = std::int8_t __attribute__((vector_size(n_half)));
+    const Bytes low = __builtin_convertvector(is_any_sort.low & (1 - is_second.low), Bytes); // masks are -1 or 0
+    const Bytes high = __builtin_convertvector(is_any_sort.high & (1 - is_second.high), Bytes);
+    __builtin_memcpy(to, &low, sizeof low);
+    __builtin_memcpy(to + n_half, &high, sizeof high);
+#endif
   }
 } // namespace dem

@@ -1,6 +1,6 @@
 #include "dem/motion.h"
 
-#include "dem/lanes.h"
+#include "dem/lane_rows.h"
 
 #include <algorithm>
 #include <cmath>

@@ -2,8 +2,8 @@
 
 #include "dem/contact_forces.h"
 #include "dem/contact_lanes.h"
+#include "dem/lane_rows.h"
 
-#include <algorithm>
 #include <limits>
 
 namespace dem
@@ -15,9 +15,8 @@ namespace dem
   }
 
   /**
-   * The pairs of a block, some vectors at a time, in three stages with a small buffer between them: where pairs are
-   * and how hard they press, what shears them, and what grains get from it. Each stage is short enough for the
-   * processor to work on several vectors at once.
+   * The pairs of a block, sixteen at a time: where they are and how hard they press, what shears them, and what grains
+   * get from it.
    */
   template <bool is_rough, bool is_rotation_free>
   class PairLoop
@@ -25,31 +24,24 @@ namespace dem
   public:
     /** @param rows  of the grains of the block */
     PairLoop(const ForceTask &task, ContactNetwork &network, Forces &forces, const ForceRows &rows)
-        : law_(task.law), grains_(task.state.grains), edges_(task.state.cell.edges),
-          strain_(task.motion.strain_increment), time_step_(task.motion.time_step),
-          has_contact_stress_(task.motion.has_contact_stress), network_(network), forces_(forces), rows_(rows)
+        : law_(task.law), place_(task.state.grains.place.data()), velocity_(task.state.grains.velocity.data()),
+          spin_(task.state.grains.spin.data()), edges_(task.state.cell.edges), strain_(task.motion.strain_increment),
+          time_step_(task.motion.time_step), has_contact_stress_(task.motion.has_contact_stress), network_(network),
+          forces_(forces), rows_(rows)
     {}
 
     /** Near pairs: both grains get their force at once. */
     void run_near(const GrainBlock &block)
     {
-      for (std::size_t k = block.near_begin; k < block.far_begin; k += pairs_at_once)
-        {
-          compute(k, block.far_begin);
-          for (std::size_t i = 0; i < n_vectors_; ++i)
-            give<false>(i, k + i * n_lanes, 0);
-        }
+      for (std::size_t k = block.near_begin; k < block.far_begin; k += n_lanes)
+        compute<false>(k, 0);
     }
 
     /** Far pairs: what the second grain gets waits in `far_force` and `far_torque`. */
     void run_far(const GrainBlock &block)
     {
-      for (std::size_t k = block.far_begin; k < block.far_end; k += pairs_at_once)
-        {
-          compute(k, block.far_end);
-          for (std::size_t i = 0; i < n_vectors_; ++i)
-            give<true>(i, k + i * n_lanes, block.first_far + (k + i * n_lanes - block.far_begin));
-        }
+      for (std::size_t k = block.far_begin; k < block.far_end; k += n_lanes)
+        compute<true>(k, block.first_far + (k - block.far_begin));
     }
 
     ContactSums finish() const
@@ -59,153 +51,192 @@ namespace dem
         sums.force_times_branch(k / 3, k % 3) = sum_lanes(moment_[k]);
       sums.normal_force = sum_lanes(normal_force_);
       sums.stiffness_moment = sum_lanes(stiffness_moment_);
-      for (int i = 0; i < n_lanes; ++i)
-        sums.n_touching += static_cast<std::size_t>(n_touching_[i]);
+      sums.n_touching = n_touching_;
       return sums;
     }
 
   private:
-    static constexpr std::size_t buffer_size = 4; // vectors: measured, 2 to 16 differ by some 10 %
-    static constexpr std::size_t pairs_at_once = buffer_size * n_lanes;
-    static constexpr std::int64_t sign = std::numeric_limits<std::int64_t>::min();
-    static constexpr RowMask opposite_force{sign, sign, sign, 0}; // b's stiffness adds up as a's does
+    static constexpr double far_apart = 1e200; ///< squared [m2]
 
-    [[gnu::always_inline]] void compute(const std::size_t k, const std::size_t end)
+    /** How grains move against each other. */
+    struct Relative
     {
-      n_vectors_ = std::min(buffer_size, (end - k) / n_lanes);
-      for (std::size_t i = 0; i < n_vectors_; ++i)
-        press(i, k + i * n_lanes);
-      for (std::size_t i = 0; i < n_vectors_; ++i)
-        shear(i, k + i * n_lanes);
+      LaneVector velocity;   ///< of b less that of a [m/s]
+      LaneVector both, more; ///< spins of b and a, sum and difference [1/s]; free rotation only
+    };
+
+    /** How pairs touch. */
+    struct Touch
+    {
+      LaneMask is_touching;
+      LaneVector branch; ///< x_b - x_a [m]
+      Lanes square;      ///< of the branch; where apart, more than any [m2]
+      LaneVector unit;   ///< branch / distance
+      Lanes distance;    ///< [m]
+      Lanes mean_arm;    ///< of R - d/2 [m]; free rotation only
+      Lanes more_arm;    ///< half of what b's has more than a's [m]
+      Lanes overlap;     ///< [m]
+      NormalLanes normal;
+    };
+
+    template <bool is_far>
+    [[gnu::always_inline]] void compute(const std::size_t k, const std::size_t far)
+    {
+      // Loads stand between the roots, whose results nobody can use at once.
+      Touch touch = locate(k);
+      Relative relative;
+      load_velocities(k, relative);
+      measure(k, touch);
+      if constexpr (is_rotation_free)
+        load_spins(k, relative);
+      press(k, touch);
+      const LaneVector shear = update_shear(k, touch, relative);
+      const LaneVector force = add(shear, -touch.normal.force, touch.unit);
+      add_to_sums(touch, force);
+      give<is_far>(k, far, touch, force);
+      if constexpr (is_rotation_free)
+        give_torques<is_far>(k, far, touch, shear);
     }
 
-    /** Where pairs k to k + 7 are, which of them touch, and how hard they press. */
-    [[gnu::always_inline]] void press(const std::size_t i, const std::size_t k)
+    /** Where pairs are, and which of them touch. */
+    [[gnu::always_inline]] Touch locate(const std::size_t k) const
     {
-      const RowsOfLanes apart = load_differences(grains_.place.data(), &network_.a[k], &network_.b[k]);
-      const LaneVector fraction{apart.x - round_lanes(apart.x), apart.y - round_lanes(apart.y),
-                                apart.z - round_lanes(apart.z)};
-      const LaneVector branch = apply(edges_, fraction);
-      const Lanes square = dot(branch, branch), sum = load_lanes(&network_.radius_sum[k]);
-      // A grain beside itself only fills a lane. Lanes that do not touch are computed too, where it does no harm.
-      const LaneMask is_touching = (square < sum * sum) & (square > 0.);
-      const Lanes harmless = select(is_touching, square, make_lanes(1.));
-      const Lanes inverse = compute_inverse_root(harmless), distance = harmless * inverse;
-      const Lanes overlap = keep(is_touching, compute_larger(sum - distance, Lanes{}));
+      const RowsOfLanes apart = load_differences(place_, &network_.row_a[k], &network_.row_b[k]);
+      Touch touch;
+      touch.branch =
+          apply(edges_, {compute_remainder(apart.x), compute_remainder(apart.y), compute_remainder(apart.z)});
+      const Lanes square = dot(touch.branch, touch.branch), sum = load_lanes(&network_.radius_sum[k]);
+      touch.is_touching = (square < sum * sum) & (0. < square); // a grain beside itself only fills a lane
+      touch.square = select(touch.is_touching, square, far_apart);
+      touch.more_arm = 0.5 * apart.w;
+      return touch;
+    }
+
+    [[gnu::always_inline]] void load_velocities(const std::size_t k, Relative &relative) const
+    {
+      const RowsOfLanes faster = load_differences(velocity_, &network_.row_a[k], &network_.row_b[k]);
+      relative.velocity = {faster.x, faster.y, faster.z};
+    }
+
+    [[gnu::always_inline]] void load_spins(const std::size_t k, Relative &relative) const
+    {
+      const auto [sum, difference] = load_sums_and_differences(spin_, &network_.row_a[k], &network_.row_b[k]);
+      relative.both = {sum.x, sum.y, sum.z};
+      relative.more = {difference.x, difference.y, difference.z};
+    }
+
+    /** Distance and overlap. All lanes are computed: apart, the overlap is zero, and so is all that follows from it. */
+    [[gnu::always_inline]] void measure(const std::size_t k, Touch &touch) const
+    {
+      const Lanes inverse = compute_inverse_root(touch.square), sum = load_lanes(&network_.radius_sum[k]);
+      touch.distance = touch.square * inverse;
+      touch.unit = {touch.branch.x * inverse, touch.branch.y * inverse, touch.branch.z * inverse};
+      touch.overlap = compute_larger(sum - touch.distance, 0.);
+      touch.mean_arm = 0.5 * (sum - touch.overlap);
+    }
+
+    /** How hard pairs press. */
+    [[gnu::always_inline]] void press(const std::size_t k, Touch &touch) const
+    {
       const Lanes root = load_lanes(&network_.root_radius[k]);
-      const NormalLanes normal =
-          is_rough ? compute_rough_law(law_, overlap, root) : compute_hertz_law(law_, overlap, root);
-      is_touching_[i] = is_touching;
-      unit_[i] = {branch.x * inverse, branch.y * inverse, branch.z * inverse};
-      distance_[i] = distance;
-      normal_[i] = {keep(is_touching, normal.force), keep(is_touching, normal.stiffness)};
-      if constexpr (is_rotation_free)
-        {
-          arm_a_[i] = 0.5 * ((sum - apart.w) - overlap);
-          arm_b_[i] = 0.5 * ((sum + apart.w) - overlap);
-        }
+      touch.normal =
+          is_rough ? compute_rough_law(law_, touch.overlap, root) : compute_hertz_law(law_, touch.overlap, root);
+      if constexpr (is_rough) // its power does not reach zero
+        touch.normal = {keep(touch.is_touching, touch.normal.force), keep(touch.is_touching, touch.normal.stiffness)};
       if (has_contact_stress_)
         {
-          store_lanes(&forces_.normal_force[k], normal_[i].force);
-          store_lanes(&forces_.overlap[k], overlap);
+          store_lanes(&forces_.normal_force[k], touch.normal.force);
+          store_lanes(&forces_.overlap[k], touch.overlap);
         }
     }
 
-    /** Brings the shear forces of pairs k to k + 7 up to date. */
-    [[gnu::always_inline]] void shear(const std::size_t i, const std::size_t k)
+    /** Brings the shear forces of pairs up to date. @return them; zero where apart */
+    [[gnu::always_inline]] LaneVector update_shear(const std::size_t k, const Touch &touch,
+                                                   const Relative &relative) const
     {
-      const LaneVector unit = unit_[i];
-      const LaneVector branch{unit.x * distance_[i], unit.y * distance_[i], unit.z * distance_[i]};
       double *const x = &network_.shear_x[k], *const y = &network_.shear_y[k], *const z = &network_.shear_z[k];
-      PairStatus *const pair_status = &network_.status[k];
-      LaneVector before{load_lanes(x), load_lanes(y), load_lanes(z)};
-      const RowsOfLanes faster = load_differences(grains_.velocity.data(), &network_.a[k], &network_.b[k]);
-      LaneVector step = add(apply(strain_, branch), make_lanes(time_step_), {faster.x, faster.y, faster.z});
+      LaneVector before{load_lanes(x), load_lanes(y), load_lanes(z)}, velocity = relative.velocity;
       if constexpr (is_rotation_free)
-        follow_spins(i, k, before, step);
-      const ShearLanes shear = compute_shear_law(law_, normal_[i], unit, before, step);
-      const LaneMask is_touching = is_touching_[i];
-      const LaneVector force{keep(is_touching, shear.force.x), keep(is_touching, shear.force.y),
-                             keep(is_touching, shear.force.z)};
-      shear_[i] = force;
-      store_lanes(x, force.x);
-      store_lanes(y, force.y);
-      store_lanes(z, force.z);
-      // apart 0, sticks 1, slides 2: masks are -1 or 0
-      const LaneMask status = is_touching & (1 - shear.is_sliding);
-      using Bytes = std::int8_t __attribute__((vector_size(n_lanes)));
-      const Bytes bytes = __builtin_convertvector(status, Bytes);
-      __builtin_memcpy(pair_status, &bytes, sizeof bytes);
+        follow_spins(touch, relative, before, velocity);
+      const LaneVector step = add(apply(strain_, touch.branch), time_step_, velocity);
+      const ShearLanes shear = compute_shear_law(law_, touch.normal, touch.unit, before, step);
+      store_lanes(x, shear.force.x);
+      store_lanes(y, shear.force.y);
+      store_lanes(z, shear.force.z);
+      store_sorts(&network_.status[k], touch.is_touching, shear.is_sliding);
+      return shear.force;
     }
 
     /** Spins slide the surfaces at the contact, and turn the shear force about the normal by their mean. */
-    [[gnu::always_inline]] void follow_spins(const std::size_t i, const std::size_t k, LaneVector &shear,
-                                             LaneVector &step) const
+    [[gnu::always_inline]] void follow_spins(const Touch &touch, const Relative &relative, LaneVector &shear,
+                                             LaneVector &velocity) const
     {
-      const RowsOfLanes a = load_rows(grains_.spin.data(), &network_.a[k]);
-      const RowsOfLanes b = load_rows(grains_.spin.data(), &network_.b[k]);
-      const Lanes arm_a = arm_a_[i], arm_b = arm_b_[i];
-      const LaneVector rolling{arm_a * a.x + arm_b * b.x, arm_a * a.y + arm_b * b.y, arm_a * a.z + arm_b * b.z};
-      step = add(step, make_lanes(time_step_), cross(unit_[i], rolling));
-      const LaneVector both{a.x + b.x, a.y + b.y, a.z + b.z};
-      shear = add(shear, 0.5 * time_step_ * dot(both, unit_[i]), cross(unit_[i], shear));
+      // Arm a times spin a plus arm b times spin b, by the mean and the half difference of either.
+      const Lanes mean = touch.mean_arm, half = touch.more_arm;
+      const LaneVector &both = relative.both, &more = relative.more;
+      velocity =
+          add_cross(velocity, touch.unit,
+                    {mean * both.x + half * more.x, mean * both.y + half * more.y, mean * both.z + half * more.z});
+      const Lanes twist = 0.5 * time_step_ * dot(both, touch.unit);
+      shear = add_cross(shear, {twist * touch.unit.x, twist * touch.unit.y, twist * touch.unit.z}, shear);
     }
 
-    /** Gives the grains of pairs k to k + 7 their forces, pair by pair. */
+    /** Gives the grains of pairs their forces, pair by pair. */
     template <bool is_far>
-    [[gnu::always_inline]] void give(const std::size_t i, const std::size_t k, const std::size_t far)
+    [[gnu::always_inline]] void give(const std::size_t k, const std::size_t far, const Touch &touch,
+                                     const LaneVector &force) const
     {
-      const NormalLanes normal = normal_[i];
-      const LaneVector force = add(shear_[i], -normal.force, unit_[i]);
-      add_to_sums(i, force);
-      const std::uint32_t *const a = &network_.a[k], *const b = &network_.b[k];
+      constexpr std::int64_t sign = std::numeric_limits<std::int64_t>::min();
+      constexpr RowMask opposite{sign, sign, sign, 0}; // b's stiffness adds up as a's does
+      const RowOffset *const a = &network_.row_a[k], *const b = &network_.row_b[k];
       Row *const forces = rows_.force, *const far_forces = forces_.far_force.data() + far;
-      give_rows({force.x, force.y, force.z, normal.stiffness}, [=](const int j, const RowLanes row) {
-        add_row(forces[a[j]], row);
-        const RowLanes opposite = reinterpret_cast<RowLanes>(reinterpret_cast<RowMask>(row) ^ opposite_force);
+      give_rows({force.x, force.y, force.z, touch.normal.stiffness}, [=](const int j, const RowLanes row) {
+        add_row(get_row(forces, a[j]), row);
+        const RowLanes on_b = reinterpret_cast<RowLanes>(reinterpret_cast<RowMask>(row) ^ opposite);
         if constexpr (is_far)
-          store_row(far_forces[j], opposite);
+          store_row(far_forces[j], on_b);
         else
-          add_row(forces[b[j]], opposite);
+          add_row(get_row(forces, b[j]), on_b);
       });
-      if constexpr (is_rotation_free)
-        give_torques<is_far>(i, k, far);
     }
 
     template <bool is_far>
-    [[gnu::always_inline]] void give_torques(const std::size_t i, const std::size_t k, const std::size_t far)
+    [[gnu::always_inline]] void give_torques(const std::size_t k, const std::size_t far, const Touch &touch,
+                                             const LaneVector &shear) const
     {
-      const LaneVector moment = cross(unit_[i], shear_[i]); // over the lever arm
-      const auto *const arm_a = reinterpret_cast<const LaneArray *>(&arm_a_[i]),
-                        *const arm_b = reinterpret_cast<const LaneArray *>(&arm_b_[i]);
-      const std::uint32_t *const a = &network_.a[k], *const b = &network_.b[k];
+      const LaneVector moment = cross(touch.unit, shear); // over the lever arm
+      alignas(64) double arm_a[n_lanes], arm_b[n_lanes];
+      store_lanes(arm_a, touch.mean_arm - touch.more_arm);
+      store_lanes(arm_b, touch.mean_arm + touch.more_arm);
+      const RowOffset *const a = &network_.row_a[k], *const b = &network_.row_b[k];
       Row *const torques = rows_.torque, *const far_torques = forces_.far_torque.data() + far;
-      const Lanes stiffness = 0.5 * (arm_a_[i] + arm_b_[i]) * normal_[i].stiffness;
-      give_rows({moment.x, moment.y, moment.z, stiffness}, [=](const int j, const RowLanes row) {
-        add_row(torques[a[j]], (*arm_a)[j] * row);
+      const Lanes stiffness = touch.mean_arm * touch.normal.stiffness;
+      give_rows({moment.x, moment.y, moment.z, stiffness}, [&](const int j, const RowLanes row) {
+        Row &of_a = get_row(torques, a[j]);
+        store_row(of_a, arm_a[j] * row + load_row(of_a));
         if constexpr (is_far)
-          store_row(far_torques[j], (*arm_b)[j] * row);
+          store_row(far_torques[j], arm_b[j] * row);
         else
-          add_row(torques[b[j]], (*arm_b)[j] * row);
+          {
+            Row &of_b = get_row(torques, b[j]);
+            store_row(of_b, arm_b[j] * row + load_row(of_b));
+          }
       });
     }
 
-    [[gnu::always_inline]] void add_to_sums(const std::size_t i, const LaneVector &force)
+    [[gnu::always_inline]] void add_to_sums(const Touch &touch, const LaneVector &force)
     {
-      const Lanes distance = distance_[i];
-      const LaneVector x{unit_[i].x * distance, unit_[i].y * distance, unit_[i].z * distance};
+      const LaneVector &x = touch.branch;
       moment_[0] += force.x * x.x, moment_[1] += force.x * x.y, moment_[2] += force.x * x.z;
       moment_[3] += force.y * x.x, moment_[4] += force.y * x.y, moment_[5] += force.y * x.z;
       moment_[6] += force.z * x.x, moment_[7] += force.z * x.y, moment_[8] += force.z * x.z;
-      normal_force_ += normal_[i].force;
-      stiffness_moment_ += normal_[i].stiffness * distance * distance;
-      n_touching_ -= is_touching_[i];
+      normal_force_ += touch.normal.force;
+      stiffness_moment_ += touch.normal.stiffness * (touch.distance * touch.distance);
+      n_touching_ += static_cast<std::size_t>(count(touch.is_touching));
     }
 
-    using LaneArray [[gnu::may_alias]] = double[n_lanes];
-
     const ContactLaw law_;
-    const Grains &grains_;
+    const Row *const place_, *const velocity_, *const spin_;
     const Matrix edges_, strain_;
     const double time_step_;
     const bool has_contact_stress_;
@@ -213,16 +244,8 @@ namespace dem
     Forces &forces_;
     const ForceRows rows_;
 
-    std::size_t n_vectors_ = 0; // in the buffer now
-    LaneMask is_touching_[buffer_size];
-    LaneVector unit_[buffer_size];                  // (x_b - x_a) / distance
-    Lanes distance_[buffer_size];                   // [m]
-    Lanes arm_a_[buffer_size], arm_b_[buffer_size]; // R - d/2 [m]
-    NormalLanes normal_[buffer_size];
-    LaneVector shear_[buffer_size]; // t on a [N]
-
     // Sums over contacts, one a lane until the end of a block.
-    Lanes moment_[9] = {}, normal_force_ = {}, stiffness_moment_ = {};
-    LaneMask n_touching_ = {};
+    Lanes moment_[9] = {0., 0., 0., 0., 0., 0., 0., 0., 0.}, normal_force_ = 0., stiffness_moment_ = 0.;
+    std::size_t n_touching_ = 0;
   };
 } // namespace dem

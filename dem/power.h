@@ -7,8 +7,18 @@
 
 namespace dem
 {
+  inline std::int64_t get_bits(const double x)
+  {
+    return std::bit_cast<std::int64_t>(x);
+  }
+
+  inline double get_numbers(const std::int64_t bits)
+  {
+    return std::bit_cast<double>(bits);
+  }
+
   /**
-   * x^y for positive normal x, without branches or calls, for one number or for eight lanes. Relative error
+   * x^y for positive normal x, without branches or calls, for one number or for many lanes. Relative error
    * below 1e-14 |y log2 x| + 1e-14 (tests/unit/dem/test_power.cc holds it against std::pow).
    *
    * @pre x > 0, normal, finite; |y log2 x| < 1000
@@ -19,11 +29,11 @@ namespace dem
     // x = m 2^e with m in [sqrt(1/2), sqrt(2)); the exponent becomes a double through the bits of 2^52, which every
     // instruction set can do in vectors.
     constexpr std::int64_t sqrt_half = 0x3fe6a09e667f3bcd;
-    const Bits bits = std::bit_cast<Bits>(x);
-    const Bits shifted = bits - sqrt_half;
-    const Bits biased = (shifted >> 52) + 2048; // positive, as the trick below needs
-    const Real e = std::bit_cast<Real>(Bits(biased | 0x4330000000000000)) - (4503599627370496. + 2048.);
-    const Real m = std::bit_cast<Real>(Bits((shifted & 0x000fffffffffffff) + sqrt_half));
+    const Bits bits = get_bits(x);
+    const Bits shifted = bits - Bits(sqrt_half);
+    const Bits biased = (shifted >> 52) + Bits(2048); // positive, as the trick below needs
+    const Real e = get_numbers(biased | Bits(0x4330000000000000)) - (4503599627370496. + 2048.);
+    const Real m = get_numbers((shifted & Bits(0x000fffffffffffff)) + Bits(sqrt_half));
 
     // log m = 2 artanh(t), |t| < 0.1716: the series' first neglected term is below 1e-17.
     const Real t = (m - 1.) / (m + 1.);
@@ -59,8 +69,8 @@ namespace dem
     q = q * z + 0.5;
     q = q * z + 1.;
     q = q * z + 1.;
-    const Bits k_bits = std::bit_cast<Bits>(shifted_exponent) << 52;
-    return std::bit_cast<Real>(Bits(std::bit_cast<Bits>(q) + k_bits));
+    const Bits k_bits = get_bits(shifted_exponent) << 52;
+    return get_numbers(get_bits(q) + k_bits);
   }
 
   [[gnu::always_inline]] inline double compute_power(const double x, const double y)
@@ -70,6 +80,6 @@ namespace dem
 
   [[gnu::always_inline]] inline Lanes compute_power(const Lanes x, const Lanes y)
   {
-    return compute_power_of_bits<Lanes, LaneMask>(x, y);
+    return compute_power_of_bits<Lanes, LaneBits>(x, y);
   }
 } // namespace dem

@@ -76,8 +76,10 @@ namespace
               (state.grains.place[contact.a].z - 0.5) * state.cell.edges(2, 2) * contact.shear_force.z() / volume;
       }
     const double resultants = static_cast<double>(state.grains.size()) * state.unbalanced_ratio * mean_force;
-    EXPECT_NEAR(state.stress(2, 2), on_walls + friction, 0.5 * resultants * state.cell.edges(2, 2) / volume);
-    EXPECT_GT(std::abs(friction), 0.01 * 1e6);
+    const double unbalanced = 0.5 * resultants * state.cell.edges(2, 2) / volume;
+    EXPECT_NEAR(state.stress(2, 2), on_walls + friction, unbalanced);
+    // So that the line above tells friction: how large it is differs from machine to machine, as grains that slide do.
+    EXPECT_GT(std::abs(friction), 10. * unbalanced);
   }
 
   TEST_F(WalledState, SnapshotKeepsEveryBit)
