@@ -40,6 +40,7 @@ namespace dem
     std::uint32_t grain, wall;
     Vector shear_force; ///< on the grain [N]; zero where apart
     PairStatus status;
+    double crept_overlap = 0.; ///< [m]
   };
 
   /**
@@ -52,7 +53,7 @@ namespace dem
   struct ContactNetwork
   {
     std::vector<std::uint32_t> a, b;
-    std::vector<double> radius_sum;                ///< Ra + Rb [m]
+    std::vector<double> radius_sum;                ///< Ra + Rb, less what has crept [m]
     std::vector<double> root_radius;               ///< sqrt(R*) [m^0.5]
     std::vector<double> shear_x, shear_y, shear_z; ///< shear force on a [N]; zero where apart
     std::vector<PairStatus> status;
