@@ -230,6 +230,7 @@ namespace apps
     bind_stages(file, binder, bvp.stages, stages);
     bind_output(binder, bvp.output);
     bind_coupling(binder, bvp.rev_material);
+    bind_pool(binder, bvp.pool);
     bind_rev_parameters(binder, bvp.rev);
     bind_reference_materials(binder, bvp);
     bind_solver(binder, bvp);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "apps/pool_parameters.h"
 #include "apps/rev_parameters.h"
 
 #include "coupling/rev_material.h"
@@ -49,6 +50,7 @@ namespace apps
     fem::SteppingParameters stepping;
     RevParameters rev;
     coupling::RevMaterialParameters rev_material;
+    PoolParameters pool;
     fem::ElasticParameters elastic;
     fem::BurgersParameters burgers;
     BvpOutput output;
