@@ -162,7 +162,8 @@ TEST(RevPool, RevsMigrateBetweenStepsUntilTheirCostsBalance)
     owners.push_back(pool.get_owner(id));
   // Twelve REVs of 10 ms (eight, on three ranks) can be shared out within one of them, and migration stops at a tenth.
   const auto loads = coupling::compute_loads(owners, pool.get_step_costs(), pool.get_n_ranks());
-  EXPECT_LT(coupling::compute_imbalance(loads), 0.2);
+  // The bound leaves as much again for costs that a busy machine measures; without migration it is at least 1.
+  EXPECT_LT(coupling::compute_imbalance(loads), 0.3);
 }
 
 TEST(RevPool, RevsStayWhereTheyWereDealtToIfTheyMayNotMove)
@@ -180,9 +181,9 @@ TEST(RevPool, TallyIsThatOfTheWork)
   const coupling::WorkTally &tally = revs.get_pool().get_tally();
   const unsigned int n_ranks = revs.get_pool().get_n_ranks();
   const double n_dear = CountingRevs::n_revs / n_ranks, expected = n_dear * 10e-3;
-  EXPECT_NEAR(tally.longest_s, expected, 0.2 * expected); // the threads' own time comes on top
+  EXPECT_NEAR(tally.longest_s, expected, 0.5 * expected); // threads' own time on top, on a busy machine
   EXPECT_EQ(tally.work_s.size(), n_ranks);
-  EXPECT_NEAR(tally.compute_efficiency(), n_ranks == 1 ? 1. : 1. / n_ranks, 0.1);
+  EXPECT_NEAR(tally.compute_efficiency(), n_ranks == 1 ? 1. : 1. / n_ranks, 0.15);
   EXPECT_NEAR(tally.idle_s[0], 0., 1e-12);
 }
 
