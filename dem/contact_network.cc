@@ -146,8 +146,8 @@ namespace dem
 
   std::size_t ContactNetwork::count_bytes() const
   {
-    return dem::count_bytes(a, b, row_a, row_b, radius_sum, root_radius, shear_x, shear_y, shear_z, status, blocks, incoming_far,
-                            incoming_grain, wall_pairs, place_when_built);
+    return dem::count_bytes(a, b, row_a, row_b, radius_sum, root_radius, shear_x, shear_y, shear_z, status, blocks,
+                            incoming_far, incoming_grain, wall_pairs, place_when_built);
   }
 
   void ContactNetwork::set_shear(const std::size_t k, const Vector &force, const PairStatus now)
