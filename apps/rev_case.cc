@@ -43,6 +43,9 @@ namespace apps
       binder.bind("Axial strain", stage.axial_strain, {-1., 1.},
                   "Oedometric, triaxial, constant p: at the end; strength search: the largest; logarithmic since stage "
                   "1, compression-positive; 0: not given. Units: [-].");
+      binder.bind("Volumetric strain", stage.volumetric_strain, {-1., 1.},
+                  "Isotropic: at the end, the three normal stresses equal meanwhile; logarithmic since stage 1, "
+                  "compression-positive; 0: not given. Units: [-].");
       binder.bind("Deviatoric stress", stage.deviatoric_stress, any_number,
                   "Triaxial, constant p: q, axial less lateral stress, at the end; 0: not given. Units: [Pa].");
       binder.bind("Share of q_max", stage.strength_share, {0., 10.},
@@ -72,7 +75,8 @@ namespace apps
            {"creep", StageKind::creep},
            {"relaxation", StageKind::relaxation},
            {"strain path", StageKind::strain_path}},
-          "isotropic: three equal stresses; oedometric: axial stress or strain, no lateral strain; triaxial: axial "
+          "isotropic: three equal stresses, or a volume; oedometric: axial stress or strain, no lateral strain; "
+          "triaxial: axial "
           "strain or deviatoric stress, lateral stresses held; constant p: the same, mean stress held; strength "
           "search: "
           "axial strain at held lateral stresses until q has passed its maximum; creep: stresses held; relaxation: "

@@ -14,9 +14,9 @@ namespace dem
   {
     constexpr std::size_t cycles_between_checks = 10;
 
-    double compute_largest_target(const CellControl &control)
+    double compute_largest_target(const CellControl &control, const Matrix &stress)
     {
-      double largest = 0.;
+      double largest = control.follows_volume ? std::abs(stress.trace() / 3.) : 0.;
       for (int m = 0; m < 6; ++m)
         if (control.is_stress_controlled[m])
           largest = std::max(largest, std::abs(control.target_stress(tangent_index[m][0], tangent_index[m][1])));
@@ -30,9 +30,10 @@ namespace dem
       CellDriver(const CellControl &control, const EquilibriumRule &rule)
           : control_(control), rule_(rule), stretch_(control.stretch)
       {
+        const double side = control.follows_volume ? std::cbrt(control.stretch.determinant()) : 1.;
         for (int m = 0; m < 6; ++m)
           if (control.is_stress_controlled[m])
-            set(stretch_, m, m < 3 ? 1. : 0.);
+            set(stretch_, m, m < 3 ? side : 0.);
         const double size = (stretch_ - Matrix::Identity()).cwiseAbs().maxCoeff();
         n_straining_ = static_cast<std::size_t>(std::ceil(size / rule.strain_per_cycle));
       }
@@ -49,16 +50,21 @@ namespace dem
             const Matrix so_far = Matrix::Identity() + static_cast<double>(cycle) * share;
             increment = share * so_far.inverse();
           }
+        const double side = 1. + increment(0, 0);
         for (int m = 0; m < 6; ++m)
           if (control_.is_stress_controlled[m])
             set(increment, m, compute_servo_strain(m, stress, stiffness));
+        if (control_.follows_volume)
+          restore_volume(side, increment);
         return increment;
       }
 
       double compute_deviation(const int m, const Matrix &stress) const
       {
         const int i = tangent_index[m][0], j = tangent_index[m][1];
-        return 0.5 * (stress(i, j) + stress(j, i)) - control_.target_stress(i, j);
+        const bool is_equalised = control_.follows_volume && m < 3;
+        return 0.5 * (stress(i, j) + stress(j, i)) -
+               (is_equalised ? stress.trace() / 3. : control_.target_stress(i, j));
       }
 
     private:
@@ -66,6 +72,13 @@ namespace dem
       {
         matrix(tangent_index[m][0], tangent_index[m][1]) = value;
         matrix(tangent_index[m][1], tangent_index[m][0]) = value;
+      }
+
+      /** The servo changes the shape alone: the volume is that of a cube stretched to `side` [-], to rounding. */
+      static void restore_volume(const double side, Matrix &increment)
+      {
+        const Vector shape = Vector::Ones() + increment.diagonal();
+        increment.diagonal() = shape * (side / std::cbrt(shape.prod())) - Vector::Ones();
       }
 
       double compute_servo_strain(const int m, const Matrix &stress, const double stiffness) const
@@ -88,8 +101,8 @@ namespace dem
     {
       if (cycle < driver.get_n_straining() || dynamics.compute_unbalanced_ratio() >= rule.unbalanced_ratio)
         return false;
-      const double tolerance = rule.stress_tolerance * compute_largest_target(control);
       const Matrix stress = dynamics.compute_servo_stress();
+      const double tolerance = rule.stress_tolerance * compute_largest_target(control, stress);
       for (int m = 0; m < 6; ++m)
         if (control.is_stress_controlled[m] && !(std::abs(driver.compute_deviation(m, stress)) <= tolerance))
           return false;

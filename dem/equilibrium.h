@@ -25,6 +25,9 @@ namespace dem
     Matrix stretch = Matrix::Identity(); ///< symmetric, total for this run; entries under stress control unused
     std::array<bool, 6> is_stress_controlled{};
     Matrix target_stress = Matrix::Zero(); ///< [Pa], tension-positive; entries under strain control unused
+    /** The volume goes with that of `stretch`, whatever its shape, while the three normal stresses are held at their
+     * common mean: their targets are unused, and all three are under stress control. */
+    bool follows_volume = false;
 
     bool has_servo() const;
 

@@ -2,7 +2,6 @@
 
 #include "dem/attempt_judgement.h"
 #include "dem/stage_path.h"
-#include "dem/wall_contacts.h"
 
 #include <algorithm>
 #include <cmath>
@@ -66,9 +65,10 @@ namespace dem
         else if (before != nullptr)
           {
             const CellControl control = compute_control(*before, position_, 1., state);
+            const Matrix mean = stress.trace() / 3. * Matrix::Identity();
             for (int k = 0; k < 3; ++k)
               if (control.is_stress_controlled[k])
-                stress(k, k) = control.target_stress(k, k);
+                stress(k, k) = control.follows_volume ? mean(k, k) : control.target_stress(k, k);
           }
         position_.share = is_held(stage_) ? 1. : 0.;
         position_.share_step = nominal_;
@@ -244,7 +244,8 @@ namespace dem
         end.strain =
             compute_largest_component(strain - compute_logarithmic_strain(rev_.get_committed().cell.deformation));
         end.strain_of_stage = compute_largest_component(strain - position_.strain_at_start);
-        end.largest_target = compute_largest_component(control.target_stress);
+        end.largest_target =
+            compute_largest_component(control.follows_volume ? rev_.get_trial().stress : control.target_stress);
         end.is_stress_controlled = control.is_stress_controlled;
         return end;
       }
@@ -360,41 +361,5 @@ namespace dem
           }
       }
     return LaboratoryOutcome::finished;
-  }
-
-  Observation observe(const RevState &state, const RevModel &model)
-  {
-    Observation observation;
-    const auto contacts = list_contacts(state, make_contact_law(model.material));
-    observation.time = state.time;
-    observation.counters = state.counters;
-    observation.strain = compute_logarithmic_strain(state.cell.deformation);
-    observation.stress = 0.5 * (state.stress + state.stress.transpose());
-    observation.wall_stress = compute_wall_stress(state.cell, contacts);
-    observation.void_ratio = compute_void_ratio(state);
-    observation.void_ratio_with_fines = compute_void_ratio_with_fines(state);
-    observation.coordination =
-        compute_coordination(contacts, state.grains.size(), model.dynamics.motion.is_rotation_free).all;
-    observation.unbalanced_ratio = state.unbalanced_ratio;
-    observation.n_grains = state.grains.size();
-    return observation;
-  }
-
-  const char *describe(const ObservationKind kind)
-  {
-    switch (kind)
-      {
-      case ObservationKind::load:
-        return "load";
-      case ObservationKind::dynamic:
-        return "dynamic";
-      case ObservationKind::ageing:
-        return "ageing";
-      case ObservationKind::relaxed:
-        return "relaxed";
-      case ObservationKind::rupture:
-        return "rupture";
-      }
-    return "unknown";
   }
 } // namespace dem

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "dem/observation.h"
 #include "dem/rev.h"
 
 #include <array>
@@ -13,7 +14,7 @@ namespace dem
   /** What a stage does to the REV. Stresses that are not named are not controlled: the strain is held. */
   enum class StageKind
   {
-    isotropic,       ///< three equal normal stresses to a pressure
+    isotropic,       ///< three equal normal stresses to a pressure or a volumetric strain
     oedometric,      ///< axial stress or strain to a value, no lateral strain
     triaxial,        ///< axial strain or deviatoric stress to a value, lateral stresses held
     constant_p,      ///< the same with the mean stress held
@@ -36,6 +37,7 @@ namespace dem
     StageKind kind = StageKind::isotropic;
     double stress = 0.;             ///< pressure or axial stress at the end [Pa], compression-positive; 0: not given
     double axial_strain = 0.;       ///< at the end, logarithmic [-], compression-positive; 0: not given
+    double volumetric_strain = 0.;  ///< isotropic: at the end, logarithmic [-], compression-positive; 0: not given
     double deviatoric_stress = 0.;  ///< triaxial, constant p: q at the end [Pa]; 0: not given
     double strength_share = 0.;     ///< or q at the end over q_max [-]; 0: not given
     double strength = 0.;           ///< q_max for that [Pa]; 0: that of the search before
@@ -50,15 +52,6 @@ namespace dem
     unsigned int points_per_decade = 4; ///< and how many after it
   };
 
-  enum class ObservationKind
-  {
-    load,
-    dynamic,
-    ageing,
-    relaxed,
-    rupture ///< where a rupture was given up, at rest or not
-  };
-
   /** By which a rupture under held stress is known (docs/theory.md, section 6.3). */
   enum class RuptureCriterion
   {
@@ -66,34 +59,6 @@ namespace dem
     endless_avalanche, ///< an avalanche did not end within its rounds
     no_rest,           ///< strained without coming to rest
     large_strain       ///< came to rest, but not before a strain that is no creep
-  };
-
-  /** One equilibrium, or the end of a jump. In the program's sign: tension-positive. */
-  struct Observation
-  {
-    double time = 0.;      ///< since the beginning of the first stage [s]
-    std::size_t stage = 0; ///< from 0
-    ObservationKind kind = ObservationKind::load;
-    Counters counters;
-    Matrix strain, stress; ///< logarithmic [-], Cauchy [Pa]
-    Vector wall_stress;    ///< on the walls: xx, yy, zz [Pa]; NaN without walls
-    double void_ratio = 0., void_ratio_with_fines = 0., coordination = 0., unbalanced_ratio = 0.;
-    std::size_t n_grains = 0;
-  };
-
-  /** One dynamic computation of a step in which time passed: what disturbed the rest, and how far the controlled
-   * stresses went from their targets on the way back to it. In the program's sign: tension-positive. */
-  struct DynamicRecord
-  {
-    std::size_t stage = 0; ///< from 0
-    double time = 0.;      ///< at which the jump before it began; without a jump: at which it began itself [s]
-    double jump = 0.;      ///< length of that jump [s]; 0 after an overload within an avalanche
-    std::size_t n_broken = 0;
-    BreakageCause cause = BreakageCause::delayed; ///< of what broke
-    std::size_t n_cycles = 0;
-    std::array<bool, 6> is_stress_controlled{};                      ///< xx, yy, zz, xy, yz, xz
-    std::array<double, 6> largest_deviation{}, smallest_deviation{}; ///< from the targets [Pa]
-    Matrix strain_change = Matrix::Zero();                           ///< logarithmic [-]
   };
 
   /** Where a programme stands: with the REV's committed state all that a resumed run needs. */
@@ -135,8 +100,6 @@ namespace dem
     stopped         ///< the observer asked for it
   };
 
-  const char *describe(ObservationKind kind);
-
   struct LaboratoryObserver
   {
     std::function<void(const Observation &)> observe;     ///< committed observations, in order
@@ -154,6 +117,4 @@ namespace dem
    */
   LaboratoryOutcome run_programme(Rev &rev, const std::vector<LaboratoryStage> &stages, const LaboratoryRule &rule,
                                   const LaboratoryObserver &observer, LaboratoryPosition &position);
-
-  Observation observe(const RevState &state, const RevModel &model);
 } // namespace dem

@@ -23,6 +23,7 @@ namespace dem
       const bool is_oedometric = stage.kind == StageKind::oedometric;
       return {
           {"Stress", stage.stress, stage.kind == StageKind::isotropic || is_oedometric},
+          {"Volumetric strain", stage.volumetric_strain, stage.kind == StageKind::isotropic},
           {"Axial strain", stage.axial_strain, is_sheared || is_oedometric || stage.kind == StageKind::strength_search},
           {"Deviatoric stress", stage.deviatoric_stress, is_sheared},
           {"Share of q_max", stage.strength_share, is_sheared}};
@@ -115,7 +116,7 @@ namespace dem
         const LaboratoryStage &before = stages_[i_ - 1];
         const double deviator =
             stage_.strength_share == 0. ? stage_.deviatoric_stress : stage_.strength_share * stage_.strength;
-        if (before.kind == StageKind::isotropic)
+        if (before.kind == StageKind::isotropic && before.stress != 0.)
           require(deviator < 3. * before.stress && deviator > -1.5 * before.stress,
                   stage_.strength_share == 0. ? "Deviatoric stress" : "Share of q_max",
                   "at a mean stress of p, q must lie between -1.5 p and 3 p: grains bear no tension");

@@ -52,6 +52,19 @@ namespace dem
       control.stretch(2, 2) = std::exp(target - compute_logarithmic_strain(baseline.cell.deformation)(2, 2));
     }
 
+    /** Volume at a share of the way, in equal steps of logarithmic strain. */
+    void strain_in_volume(const LaboratoryStage &stage, const LaboratoryPosition &position, const double share,
+                          const RevState &baseline, CellControl &control)
+    {
+      const double start = position.strain_at_start.trace();
+      const double target = start + share * (-stage.volumetric_strain - start);
+      const double left = target - compute_logarithmic_strain(baseline.cell.deformation).trace();
+      control.stretch = std::exp(left / 3.) * Matrix::Identity();
+      control.follows_volume = true;
+      for (int k = 0; k < 3; ++k)
+        control.is_stress_controlled[k] = true;
+    }
+
     void hold_laterally(CellControl &control, const double stress)
     {
       hold(control, 0, stress);
@@ -100,8 +113,11 @@ namespace dem
     switch (stage.kind)
       {
       case StageKind::isotropic:
-        for (int k = 0; k < 3; ++k)
-          hold(control, k, interpolate(position.stress_at_start(k, k), -stage.stress, share, stage.is_geometric));
+        if (stage.stress == 0.)
+          strain_in_volume(stage, position, share, baseline, control);
+        else
+          for (int k = 0; k < 3; ++k)
+            hold(control, k, interpolate(position.stress_at_start(k, k), -stage.stress, share, stage.is_geometric));
         break;
       case StageKind::oedometric:
         if (stage.stress == 0.)
@@ -173,8 +189,8 @@ namespace dem
 
   bool is_to_stress(const LaboratoryStage &stage)
   {
-    return stage.kind == StageKind::isotropic || (stage.kind == StageKind::oedometric && stage.stress != 0.) ||
-           is_to_deviator(stage);
+    const bool is_by_stress = stage.kind == StageKind::isotropic || stage.kind == StageKind::oedometric;
+    return (is_by_stress && stage.stress != 0.) || is_to_deviator(stage);
   }
 
   bool is_mean_stress_held(const LaboratoryStage &stage, const LaboratoryPosition &position, const RevState &state,

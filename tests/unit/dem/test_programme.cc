@@ -175,6 +175,9 @@ namespace
     expect(1, "Stress", "no target", [](LaboratoryStage &stage) { stage.stress = 1e6; });
     expect(0, "Stress", "above 0 Pa", [](LaboratoryStage &stage) { stage.stress = -1e6; });
     expect(0, "Kind", "one of: Stress, Axial strain", [](LaboratoryStage &stage) { stage.stress = 0.; });
+    expect(0, "Volumetric strain", "no target", [](LaboratoryStage &stage) { stage.volumetric_strain = 0.01; });
+    expect(0, "Volumetric strain", "one target",
+           [](LaboratoryStage &stage) { stage.kind = StageKind::isotropic, stage.volumetric_strain = 0.01; });
     expect(0, "Axial strain", "one target", [](LaboratoryStage &stage) { stage.axial_strain = 0.01; });
     expect(0, "Kind", "loading stage before",
            [](LaboratoryStage &stage) { stage.kind = StageKind::creep, stage.stress = 0.; });
