@@ -84,6 +84,7 @@ namespace apps
         dem::LaboratoryObserver observer;
         observer.observe = [this](const dem::Observation &observation) { record(observation); };
         observer.disturbed = [this](const dem::DynamicRecord &dynamic) { record(dynamic); };
+        observer.attempted = [this](const dem::AttemptEffort &effort) { count(effort); };
         observer.committed = [this](const dem::LaboratoryPosition &, const double fraction) {
           return advance(fraction);
         };
@@ -130,6 +131,17 @@ namespace apps
       {
         const dem::Stopwatch watch(summary_.output_s);
         history_->write(row);
+      }
+
+      /** What is taken back is in no table: where a load's cycles go shows here. */
+      void count(const dem::AttemptEffort &effort)
+      {
+        const std::string kept = effort.is_committed ? "" : " taken back";
+        summary_.figures[fmt::format("stage {}: steps{} [-]", effort.stage + 1, kept)] += 1.;
+        summary_.figures[fmt::format("stage {}: equilibria{} [-]", effort.stage + 1, kept)] +=
+            static_cast<double>(effort.n_equilibria);
+        summary_.figures[fmt::format("stage {}: cycles{} [-]", effort.stage + 1, kept)] +=
+            static_cast<double>(effort.n_cycles);
       }
 
       /** @param stage  number that is written */

@@ -93,15 +93,20 @@ namespace dem
                           1.);
       }
 
-      /** Steps until one is committed; its observations are those of the committed attempt alone. */
-      LaboratoryOutcome advance(std::vector<Observation> &observations)
+      /** Steps until one is committed; its observations are those of the committed attempt alone.
+       *  @param tell  called with what each attempt cost, committed or not */
+      LaboratoryOutcome advance(std::vector<Observation> &observations,
+                                const std::function<void(const AttemptEffort &)> &tell)
       {
         while (true)
           {
             observations.clear();
             const Step step = choose_step();
             const StepOutcome outcome = attempt(step, observations);
-            if (outcome == StepOutcome::ok)
+            effort_.is_committed = outcome == StepOutcome::ok;
+            if (tell)
+              tell(effort_);
+            if (effort_.is_committed)
               {
                 commit(step);
                 return LaboratoryOutcome::finished;
@@ -120,7 +125,7 @@ namespace dem
       Step choose_step() const
       {
         Step step;
-        const double to_batch = rev_.compute_time_to_next_batch(position_.n_cuts);
+        const double to_batch = stage_.duration > 0. ? rev_.compute_time_to_next_batch(position_.n_cuts) : 0.;
         if (is_held(stage_))
           {
             step.share = 1.;
@@ -190,6 +195,8 @@ namespace dem
       StepOutcome attempt(const Step &step, std::vector<Observation> &observations)
       {
         dynamic_time_ = 0.;
+        effort_ = AttemptEffort{};
+        effort_.stage = position_.stage;
         dynamics_.clear();
         DynamicRecord record_of_round = begin_record(step.dt);
         if (step.dt > 0.)
@@ -231,6 +238,7 @@ namespace dem
           {
             control = compute_control(stage_, position_, step.share, rev_.get_baseline());
             add(rev_.control(control), end.rest);
+            ++effort_.n_equilibria;
             if (end.rest.status != RestStatus::at_rest)
               break;
             rev_.accept();
@@ -240,6 +248,7 @@ namespace dem
             if (n + 1 == correction_cap)
               end.rest.status = RestStatus::cap_reached;
           }
+        effort_.n_cycles += end.rest.n_cycles;
         const Matrix strain = compute_logarithmic_strain(rev_.get_trial().cell.deformation);
         end.strain =
             compute_largest_component(strain - compute_logarithmic_strain(rev_.get_committed().cell.deformation));
@@ -307,6 +316,7 @@ namespace dem
       LaboratoryPosition &position_;
       const double nominal_;
       double dynamic_time_ = 0.; // of the present attempt [s]
+      AttemptEffort effort_;     // of the present attempt
       LaboratoryOutcome failure_ = LaboratoryOutcome::no_equilibrium;
       std::vector<DynamicRecord> dynamics_; // of the present attempt
     };
@@ -318,7 +328,7 @@ namespace dem
       std::vector<Observation> observations;
       while (!runner.is_finished())
         {
-          const LaboratoryOutcome outcome = runner.advance(observations);
+          const LaboratoryOutcome outcome = runner.advance(observations, observer.attempted);
           const bool is_told = outcome == LaboratoryOutcome::finished || outcome == LaboratoryOutcome::ruptured;
           if (is_told && observer.observe)
             for (const Observation &observation : observations)

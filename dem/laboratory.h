@@ -100,10 +100,19 @@ namespace dem
     stopped         ///< the observer asked for it
   };
 
+  /** What an attempt at a step cost, kept or taken back. */
+  struct AttemptEffort
+  {
+    std::size_t stage = 0; ///< from 0
+    bool is_committed = false;
+    std::size_t n_equilibria = 0, n_cycles = 0;
+  };
+
   struct LaboratoryObserver
   {
     std::function<void(const Observation &)> observe;     ///< committed observations, in order
     std::function<void(const DynamicRecord &)> disturbed; ///< committed dynamic computations, in order
+    std::function<void(const AttemptEffort &)> attempted; ///< every attempt, those that are taken back as well
     /** After each committed step; true stops the programme. `fraction` is the share of the whole that is done. */
     std::function<bool(const LaboratoryPosition &, double fraction)> committed;
     std::function<void(std::size_t stage, bool is_end)> stage_edge;
