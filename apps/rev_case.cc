@@ -122,6 +122,9 @@ namespace apps
       binder.bind("Flow strain", rev_case.laboratory.flow_strain, positive,
                   "Largest strain that one dynamic computation under held stress may bring: beyond it a creep has "
                   "ruptured. Units: [-].");
+      binder.bind("Rupture strain", rev_case.laboratory.rupture_strain, positive,
+                  "Of a creep under held normal stresses, since it began: beyond it the creep has ruptured, however "
+                  "gently it came there. Units: [-].");
       binder.bind("Largest strain", rev_case.laboratory.largest_strain, positive,
                   "Of a load that goes to a stress, since the load began: beyond it the stress is not reached. Units: "
                   "[-].");

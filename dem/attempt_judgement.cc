@@ -17,12 +17,19 @@ namespace dem
     }
   } // namespace
 
+  bool has_crept_too_far(const LaboratoryStage &stage, const LaboratoryRule &rule, const AttemptEnd &end)
+  {
+    return stage.kind == StageKind::creep && stage.held == HeldStress::all_normal &&
+           end.rest.status == RestStatus::at_rest && end.strain <= rule.flow_strain &&
+           end.strain_of_stage > rule.rupture_strain;
+  }
+
   LaboratoryOutcome judge_attempt(const LaboratoryStage &stage, const LaboratoryRule &rule, const AttemptEnd &end)
   {
     const bool is_at_rest = end.rest.status == RestStatus::at_rest;
     if (!is_at_rest && has_swung(end, rule.unstable_swing))
       return LaboratoryOutcome::servo_unstable;
-    if (stage.kind == StageKind::creep && end.strain > rule.flow_strain)
+    if ((stage.kind == StageKind::creep && end.strain > rule.flow_strain) || has_crept_too_far(stage, rule, end))
       return LaboratoryOutcome::ruptured;
     if (is_to_stress(stage) &&
         (end.strain_of_stage > rule.largest_strain || (!is_at_rest && end.strain > rule.flow_strain)))
@@ -67,6 +74,8 @@ namespace dem
         return "strained on under held stress without coming to rest";
       case RuptureCriterion::large_strain:
         return "strained further under held stress than creep does before coming to rest";
+      case RuptureCriterion::large_creep:
+        return "crept further than a specimen that has not failed";
       }
     return "unknown";
   }

@@ -20,6 +20,9 @@ namespace dem
    */
   LaboratoryOutcome judge_attempt(const LaboratoryStage &stage, const LaboratoryRule &rule, const AttemptEnd &end);
 
+  /** A triaxial creep that has ruptured though every batch came to rest: no smaller batch would tell more. */
+  bool has_crept_too_far(const LaboratoryStage &stage, const LaboratoryRule &rule, const AttemptEnd &end);
+
   const char *describe(LaboratoryOutcome outcome);
   const char *describe(RuptureCriterion criterion);
 

@@ -207,8 +207,11 @@ namespace dem
             const RestReport &report = end.rest;
             position_.last_rest = report.status;
             const LaboratoryOutcome judgement = judge_attempt(stage_, rule_, end);
+            const bool is_over = has_crept_too_far(stage_, rule_, end);
+            if (is_over)
+              position_.criterion = RuptureCriterion::large_creep;
             if (judgement != LaboratoryOutcome::finished)
-              return step.may_be_halved ? StepOutcome::too_large : give_up(judgement, observations);
+              return step.may_be_halved && !is_over ? StepOutcome::too_large : give_up(judgement, observations);
             if (step.dt > 0.)
               end_record(record_of_round, end);
             dynamic_time_ += report.duration;

@@ -58,7 +58,8 @@ namespace dem
     none,
     endless_avalanche, ///< an avalanche did not end within its rounds
     no_rest,           ///< strained without coming to rest
-    large_strain       ///< came to rest, but not before a strain that is no creep
+    large_strain,      ///< came to rest, but not before a strain that is no creep
+    large_creep        ///< crept, bit by bit, further than a specimen that has not failed
   };
 
   /** Where a programme stands: with the REV's committed state all that a resumed run needs. */
@@ -85,6 +86,7 @@ namespace dem
     double smallest_share = 1. / 64.; ///< of an increment, below which it is not halved again
     std::size_t round_cap = 200;      ///< equilibria of one avalanche, beyond which it is a rupture
     double flow_strain = 0.05;        ///< of one dynamic computation, above which the REV flows [-]
+    double rupture_strain = 0.15;     ///< of a triaxial creep, above which it has ruptured [-]
     double largest_strain = 0.5;      ///< of a stage that goes to a stress, above which it is not reached [-]
     double unstable_swing = 0.1;      ///< of a controlled stress to both sides, over its target: the servo's doing [-]
   };

@@ -147,6 +147,40 @@ namespace
     end.rest.status = RestStatus::at_rest;
     end.strain_of_stage = 0.51; // above the largest strain of 0.5
     EXPECT_EQ(judge(make_isotropic(pressure)), LaboratoryOutcome::not_reached);
-    EXPECT_EQ(judge(creep), LaboratoryOutcome::finished); // creep may go far, bit by bit
+    EXPECT_EQ(judge(creep), LaboratoryOutcome::finished); // in an oedometer creep may go far, bit by bit
+    creep.held = HeldStress::all_normal;
+    EXPECT_EQ(judge(creep), LaboratoryOutcome::ruptured); // a triaxial specimen has failed at 0.15
+    EXPECT_TRUE(has_crept_too_far(creep, rule, end));
+    end.strain_of_stage = 0.149;
+    EXPECT_EQ(judge(creep), LaboratoryOutcome::finished);
+    end.strain = end.strain_of_stage = 0.2; // in one computation: a smaller batch may show more
+    EXPECT_EQ(judge(creep), LaboratoryOutcome::ruptured);
+    EXPECT_FALSE(has_crept_too_far(creep, rule, end));
+  }
+
+  TEST(FailingStages, ATriaxialCreepThatGoesFarBitByBitHasRuptured)
+  {
+    // Law: the creep ends with the first equilibrium beyond the rupture strain, which is told as it is, at rest; what
+    // is kept lies below it.
+    LaboratoryStage share = make_stage(StageKind::triaxial), creep = make_stage(StageKind::creep);
+    share.deviatoric_stress = 3e6;
+    creep.held = HeldStress::all_normal;
+    creep.duration = 1e18;
+    creep.points_per_decade = 1;
+    Rev rev = make_rev(RevModel{}, get_wide_packing());
+    ProgrammeRun result;
+    LaboratoryRule rule;
+    rule.rupture_strain = 5e-4;
+    go_on(rev, {make_isotropic(pressure), share, creep}, result, 0, rule);
+    ASSERT_EQ(result.outcome, LaboratoryOutcome::ruptured) << describe(result.outcome);
+    EXPECT_EQ(result.position.criterion, RuptureCriterion::large_creep);
+    const Observation &last = result.observations.back();
+    EXPECT_EQ(last.kind, ObservationKind::rupture);
+    EXPECT_LT(last.unbalanced_ratio, 1e-4);
+    const auto crept = [&](const Matrix &strain) {
+      return (strain - result.position.strain_at_start).cwiseAbs().maxCoeff();
+    };
+    EXPECT_GT(crept(last.strain), rule.rupture_strain);
+    EXPECT_LE(crept(compute_logarithmic_strain(rev.get_committed().cell.deformation)), rule.rupture_strain);
   }
 } // namespace
