@@ -4,6 +4,7 @@ A case is run stage by stage: its first stages make one run folder, and a copy o
 slowsand-rev continues with the same bits as if the whole case had been run at once.
 """
 
+import copy
 import hashlib
 import json
 import os
@@ -37,6 +38,12 @@ class Chains:
             raise BadInput(f"{built}: has not been built (bash apps/build.sh), or is elsewhere (--programs DIR)")
         self._folder.mkdir(parents=True, exist_ok=True)
         self._program = self._keep_program(built)
+
+    def vary(self, settings):
+        """The same with further settings in every run."""
+        varied = copy.copy(self)
+        varied._settings = {**self._settings, **settings}
+        return varied
 
     def _keep_program(self, built):
         """A copy beside the runs: whoever builds anew meanwhile must not mix two programs in one table."""

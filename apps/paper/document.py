@@ -13,7 +13,9 @@ TITLES = {"fig1": "Fig. 1: the split grain", "fig2": "Fig. 2: the REV and its gr
           "fig7": "Fig. 7: the first dynamic computation",
           "fig8": "Fig. 8: fluctuation against the number of grains broken at once",
           "triaxial": "Triaxial compression from 10 MPa", "fig9": "Fig. 9: triaxial creep",
-          "fig10": "Fig. 10: fluctuation in triaxial creep", "fig11": "Fig. 11: deviations in all dynamic computations"}
+          "fig10": "Fig. 10: fluctuation in triaxial creep", "fig11": "Fig. 11: deviations in all dynamic computations",
+          "walls": "Figs. 6 to 8 between rigid walls", "compression": "Beyond the paper: compression to 60 MPa",
+          "waiting": "Beyond the paper: creep beside compression", "sensitivity": "Beyond the paper: what choices do to creep"}
 SHORT = ("figure", "statement", "paper", "ours", "scatter", "agrees")  # results.csv
 TABLE = (*SHORT[1:], "seeds", "bounds")  # of the page
 COLUMNS = ("figure", *TABLE, "made with", "faults")  # rows.csv

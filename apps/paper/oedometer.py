@@ -15,6 +15,12 @@ VARIANTS = (("Equilibrium/Servo gain", 0.05), ("Equilibrium/Servo gain", 0.8), (
 FIXED_CYCLES = (2, 5, 10, 15, 20, 30, 40, 60, 80, 120, 160, 240, 320)  # after which Fig. 7 looks at the stress
 
 
+def compute_slope(run):
+    """Creep strain [-] per decade from 1e2 to 1e6 s; 0 of a REV that breaks no grain meanwhile."""
+    strains = sample_creep(run, DECADES)
+    return 0. if np.ptp(strains) == 0. else fit_line(DECADES, strains)[0]
+
+
 def draw_creep(laboratory):
     """Fig. 6."""
     results = laboratory.results
@@ -44,7 +50,7 @@ def draw_first_computation(laboratory):
     """Fig. 7: the first dynamic computation, of all seeds in numbers, of the first one in its course."""
     chains, batch, results = laboratory.chains, laboratory.usual_batch, laboratory.results
     runs, faults = chains.run_seeds(lambda seed: run_batch(chains, seed, batch), laboratory.seeds)
-    firsts = [_find_first(run, batch) for run in runs]
+    firsts = [find_first(run, batch) for run in runs]
     results.add("first_mean", [mean / 1e6 for _, _, mean, _ in firsts], faults)
     results.add("first_strain", [100 * strain for _, _, _, strain in firsts], faults)
     seed = laboratory.seeds[0]
@@ -61,7 +67,7 @@ def draw_first_computation(laboratory):
     style.save(_draw_course(np.array(course)), laboratory.figures, "fig7")
 
 
-def _find_first(run, batch):
+def find_first(run, batch):
     """(largest rise, largest drop, their mean [Pa], axial strain [-]) of the computation after the run's only jump."""
     jumps = read_disturbances(run, 3)
     first = int(np.argmax(jumps.is_delayed & (jumps.broken == batch)))
@@ -85,7 +91,7 @@ def draw_fluctuation(laboratory):
     chains, results, found = laboratory.chains, laboratory.results, {}
     for batch in laboratory.batches:
         runs, faults = chains.run_seeds(lambda seed, n=batch: run_batch(chains, seed, n), laboratory.seeds)
-        found[batch] = np.array([_find_first(run, batch) for run in runs]).reshape(-1, 4)
+        found[batch] = np.array([find_first(run, batch) for run in runs]).reshape(-1, 4)
         for column, name in enumerate(("largest rise", "largest drop", "mean of both")):
             results.add_note("fig8", f"{batch} broken at once: {name}", "MPa", found[batch][:, column] / 1e6)
     usual = [batch for batch in found if batch <= laboratory.usual_batch]
@@ -99,7 +105,7 @@ def draw_fluctuation(laboratory):
         runs, faults = chains.run_seeds(lambda seed, own={name: value}: run_batch(chains, seed, batch, own),
                                         laboratory.seeds)
         results.add_note("fig8", f"{batch} broken at once, {name.rsplit('/', 1)[-1].lower()} {value}: mean of both", "MPa",
-                         [_find_first(run, batch)[2] / 1e6 for run in runs], faults)
+                         [find_first(run, batch)[2] / 1e6 for run in runs], faults)
 
 
 def _draw_fluctuation(found):

@@ -13,7 +13,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 
 from study_cases import PATIENCE, StudyTest, run_tests  # noqa: E402
 
-FIGURES = ("fig1", "fig2", "fig3", "fig5", "fig6", "fig7", "fig8", "triaxial", "fig9", "fig10", "fig11")
+FIGURES = ("fig1", "fig2", "fig3", "fig5", "fig6", "fig7", "fig8", "triaxial", "fig9", "fig10", "fig11", "walls",
+           "compression", "waiting", "sensitivity")
 CLOSED_FORMS = ("siblings", "slope", "v0", "first_jump")
 COLUMNS = ["figure", "statement", "paper", "ours", "scatter", "agrees"]
 
@@ -105,6 +106,40 @@ class Paper(StudyTest):
         results = Results(results.statements, False)
         results.add("grains", [200.])
         self.assertEqual(results.judge(results.rows["grains"]), "-")
+
+    def test_yield_is_where_two_lines_cross(self):
+        """Of a curve of two straight lines in log stress: their corner, to rounding."""
+        sys.path.insert(0, str(self.source / "apps"))
+        import numpy as np
+        from paper.compression import find_yield
+        stress = np.logspace(5, 8, 301)
+        x = np.log10(stress)
+        strain = 0.01 * x + 0.1 * np.maximum(x - 7.2, 0.)
+        self.assertAlmostEqual(np.log10(find_yield((stress, strain))), 7.2, places=9)
+
+    def test_waiting_is_worth_a_stress(self):
+        """A material that obeys time-stress equivalence has C_alpha/C_c = 1/(n (1 - 1/b)) exactly; what comes back on
+        unloading does not count."""
+        sys.path.insert(0, str(self.source / "apps"))
+        import numpy as np
+        from paper import compression
+        tops = np.array([21.7, 27., 32., 38., 47., 60., 80., 104.]) * 1e6
+        columns = {"stage": [2], "stress_zz_Pa": [tops[0]], "strain_zz": [0.]}
+        for k, top in enumerate(tops[1:]):
+            left = 0.2 * np.log10(top / tops[0])
+            for stage, stress, strain in ((3 + 2 * k, top, left + 0.01), (4 + 2 * k, tops[0], left)):
+                for name, value in zip(columns, (stage, stress, strain)):
+                    columns[name].append(value)
+
+        class Run:
+            def get_column(self, name):
+                return np.array(columns[name])
+        curve = compression.read_irrecoverable(Run())
+        for n in compression.EXPONENTS:
+            low, high = compression.raise_stress(compression.WINDOW, n)
+            left = np.diff(compression.compute_irrecoverable(curve, [low, high]))[0]
+            self.assertAlmostEqual(left / np.log10(high / low), 0.2, places=9)
+            self.assertAlmostEqual(left / 4. / 0.2, 1. / (n * (1. - 1. / 1.83472)), places=9)  # four decades
 
     def test_drawn_grading_is_the_programs(self):
         sys.path.insert(0, str(self.source / "apps"))

@@ -1,0 +1,88 @@
+"""Figs. 6 to 8 in the paper's box of six rigid walls, beside the periodic cell."""
+
+import dataclasses
+
+import numpy as np
+
+from plotting import style
+from plotting.run_folder import select_creep
+from plotting.snapshot import read_snapshot
+
+from .oedometer import DECADES, LIMIT, find_first
+from .specimens import creep, find_snapshot, fit_line, pack, run_batch, sample_creep
+
+BOX = {"Boundary/Kind": "walls"}
+# A box of 200 grains is all wall: without friction, it is the densest that can be made.
+SMALL_BOX = {**BOX, "Packing/Friction": 0}
+
+
+def draw_walls(laboratory):
+    """Packing, creep and fluctuation of both kinds of REV."""
+    box = dataclasses.replace(laboratory, chains=laboratory.chains.vary(BOX if laboratory.is_full else SMALL_BOX))
+    results, batches = laboratory.results, laboratory.batches
+    packed, faults = box.chains.run_seeds(lambda seed: pack(box.chains, seed), box.seeds)
+    results.add("walls_void_ratio", [run.get_column("void_ratio")[0] for run in packed], faults)
+    results.add_note("walls", "friction while the box is packed", "-", _list_frictions(packed))
+    results.add_note("walls", "edge of the box", "mm", [1e3 * _compute_edge(run) for run in packed])
+    figure, (upper, lower) = style.new_figure(4.6, 2)
+    for kind, name, colour in ((box, "walls", style.VERMILION), (laboratory, "periodic", style.BLUE)):
+        slopes, straight, faults = _draw_creep(kind, name, colour, upper)
+        fluctuation, more = _draw_fluctuation(kind, name, colour, lower)
+        if kind is box:
+            usual = fluctuation[laboratory.usual_batch]
+            results.add("walls_straight", straight, faults)
+            results.add("walls_mean", usual / 1e6, more)
+            is_whole = len(usual) == len(fluctuation[batches[-1]])
+            results.add("walls_growth", fluctuation[batches[-1]] / usual if is_whole else [], more)
+        results.add_note("walls", f"{name}: creep strain per decade from 1e2 to 1e6 s", "% per decade", slopes)
+        for batch in batches:
+            results.add_note("walls", f"{name}: {batch} broken at once: mean of largest rise and drop", "MPa",
+                             fluctuation[batch] / 1e6)
+    _finish(upper, lower, batches)
+    style.save(figure, laboratory.figures, "walls")
+
+
+def _list_frictions(packed):
+    name = "packing friction [-]"
+    return [run.summary["figures"][name] for run in packed if name in run.summary.get("figures", {})]
+
+
+def _compute_edge(run):
+    return np.cbrt(np.linalg.det(read_snapshot(find_snapshot(run, 0)).cell))
+
+
+def _draw_creep(laboratory, name, colour, axes):
+    """(slopes [% per decade], shares of variance that a line explains, faults)"""
+    runs, faults = laboratory.chains.run_seeds(lambda seed: creep(laboratory.chains, seed), laboratory.seeds)
+    for k, run in enumerate(runs):
+        curve = select_creep(run)
+        shown = curve.time > 0
+        axes.semilogx(curve.time[shown], 100 * curve.strain[shown], color=colour, linewidth=0.9, label=name if k == 0 else None)
+    lines = [fit_line(DECADES, 100 * sample_creep(run, DECADES)) for run in runs]
+    known = [line for line in lines if np.isfinite(line[0])]
+    return [slope for slope, _ in known], [share for _, share in known], faults
+
+
+def _draw_fluctuation(laboratory, name, colour, axes):
+    """(batch -> mean of largest rise and drop [Pa], one a seed; faults)"""
+    found, faults = {}, []
+    for batch in laboratory.batches:
+        runs, more = laboratory.chains.run_seeds(lambda seed, n=batch: run_batch(laboratory.chains, seed, n), laboratory.seeds)
+        found[batch] = np.array([find_first(run, batch)[2] for run in runs])
+        faults += more
+        axes.plot(np.full(len(runs), batch), found[batch] / 1e6, "o", color=colour, markerfacecolor="none",
+                  markeredgewidth=0.6, label=name if batch == laboratory.batches[0] else None)
+    return found, faults
+
+
+def _finish(upper, lower, batches):
+    upper.set_xlabel("time since the start of creep [s]")
+    upper.set_ylabel("axial creep strain [%]\n(compression positive)")
+    upper.legend(loc="upper left")
+    lower.axhline(LIMIT, color="0.6", linestyle="--", linewidth=0.6, label="the paper's limit")
+    lower.set_xscale("log")
+    lower.set_xticks(batches, [str(batch) for batch in batches])
+    lower.minorticks_off()
+    lower.set_xlabel("grains broken at once [-]")
+    lower.set_ylabel("mean of largest rise and drop\nof axial stress [MPa]")
+    lower.legend(loc="upper left")
