@@ -77,7 +77,8 @@ def main():
                 EXPERIMENTS[name](laboratory)
             except RunFailed as error:
                 results.add_note(name, "experiment", "-", [], [str(error)])
-            document.write_rows(options.output, results, f"{version}, seeds 1 to {options.seeds}")
+            document.write_rows(options.output, results, f"{version}, " +
+                                ("seed 1" if options.seeds == 1 else f"seeds 1 to {options.seeds}"))
         if options.document:
             write_page(options.document)
     except BadInput as error:
