@@ -53,18 +53,26 @@ def draw_first_computation(laboratory):
     firsts = [find_first(run, batch) for run in runs]
     results.add("first_mean", [mean / 1e6 for _, _, mean, _ in firsts], faults)
     results.add("first_strain", [100 * strain for _, _, _, strain in firsts], faults)
-    seed = laboratory.seeds[0]
+    course, faults = follow_first(chains, laboratory.seeds[0], batch)
+    results.add_note("fig7", "points of the course", "-", [len(course) - 1] if len(course) > 1 else [], faults)
+    style.save(_draw_course(course), laboratory.figures, "fig7")
+
+
+def follow_first(chains, seed, batch):
+    """(cycles since the grains broke, axial stress [Pa], axial strain since then [-]) in rows; faults
+
+    From runs that are stopped after so many cycles.
+    """
     stopped, faults = chains.run_seeds(
         lambda cycles: (cycles, run_batch(chains, seed, batch, {"Equilibrium/Fixed cycles": cycles})), FIXED_CYCLES,
         "cycles")
-    results.add_note("fig7", "points of the course", "-", [len(stopped)] if stopped else [], faults)
     start = load(chains, seed)
     course = [(0, start.get_column("stress_zz_Pa")[-1], 0.)]
     for cycles, run in stopped:
         row = np.flatnonzero(np.diff(run.get_column("broken_delayed")) > 0)[0] + 1  # at the end of its cycles
         course.append((cycles, run.get_column("stress_zz_Pa")[row],
                        run.get_column("strain_zz")[row] - start.get_column("strain_zz")[-1]))
-    style.save(_draw_course(np.array(course)), laboratory.figures, "fig7")
+    return np.array(course), faults
 
 
 def find_first(run, batch):

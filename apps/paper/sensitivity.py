@@ -8,6 +8,7 @@ from plotting import style
 
 from .oedometer import compute_slope
 from .specimens import creep, pack
+from .walls import choose_box
 
 REFERENCE = "as shipped"
 SIZES = {"small": (100, 200, 400), "full": (500, 1000, 2000, 4000, 11497)}  # grains
@@ -33,9 +34,7 @@ CHOICES = (
     Choice("truncation_1", "strength truncated at |X| = 1.5", {"Strength/Truncation": 1.5}),
     Choice("truncation_2", "strength truncated at |X| = 2", {"Strength/Truncation": 2.}),
     Choice("half_batch", "N_max halved", {"Fracture/Batch limit": 0, "Fracture/Batch share": 0.0013}),
-    Choice("large_batch", "N_max four times as large", {"Fracture/Batch limit": 0, "Fracture/Batch share": 0.0104}),
-    # Between walls a REV of this size does not get as dense as the paper's (fig. walls): no friction while it is packed.
-    Choice("walls", "six rigid walls, packed without friction", {"Boundary/Kind": "walls", "Packing/Friction": 0}, True))
+    Choice("large_batch", "N_max four times as large", {"Fracture/Batch limit": 0, "Fracture/Batch share": 0.0104}))
 
 
 def measure_slopes(laboratory, settings, packed_with=None):
@@ -66,7 +65,7 @@ def draw_choices(laboratory):
     reference = by_size[USUAL_SIZE[size]]
     found = {f"{REFERENCE}, {USUAL_SIZE[size]} grains": reference}
     mean = np.mean(reference[0]) if reference[0] else np.nan
-    for choice in CHOICES:
+    for choice in (*CHOICES, Choice("walls", "six rigid walls", choose_box(laboratory.is_full), True)):
         usual = settle(USUAL_SIZE[size], own)
         slopes, runs, faults = measure_slopes(laboratory, {**usual, **choice.settings},
                                               None if choice.has_own_packing else usual)

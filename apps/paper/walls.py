@@ -8,26 +8,29 @@ from plotting import style
 from plotting.run_folder import select_creep
 from plotting.snapshot import read_snapshot
 
-from .oedometer import DECADES, LIMIT, find_first
+from .chains import RunFailed
+from .oedometer import DECADES, LIMIT, find_first, follow_first
 from .specimens import creep, find_snapshot, fit_line, pack, run_batch, sample_creep
 
-BOX = {"Boundary/Kind": "walls"}
-# A box of 200 grains is all wall: without friction, it is the densest that can be made.
-SMALL_BOX = {**BOX, "Packing/Friction": 0}
+
+def choose_box(is_full):
+    """Settings of a box. One of 200 grains is all wall: without friction while it is packed it is the densest there is."""
+    return {"Boundary/Kind": "walls", **({} if is_full else {"Packing/Friction": 0})}
 
 
 def draw_walls(laboratory):
     """Packing, creep and fluctuation of both kinds of REV."""
-    box = dataclasses.replace(laboratory, chains=laboratory.chains.vary(BOX if laboratory.is_full else SMALL_BOX))
+    box = dataclasses.replace(laboratory, chains=laboratory.chains.vary(choose_box(laboratory.is_full)))
     results, batches = laboratory.results, laboratory.batches
     packed, faults = box.chains.run_seeds(lambda seed: pack(box.chains, seed), box.seeds)
     results.add("walls_void_ratio", [run.get_column("void_ratio")[0] for run in packed], faults)
     results.add_note("walls", "friction while the box is packed", "-", _list_frictions(packed))
     results.add_note("walls", "edge of the box", "mm", [1e3 * _compute_edge(run) for run in packed])
-    figure, (upper, lower) = style.new_figure(4.6, 2)
+    figure, (upper, middle, lower) = style.new_figure(6.2, 3)
     for kind, name, colour in ((box, "walls", style.VERMILION), (laboratory, "periodic", style.BLUE)):
         slopes, straight, faults = _draw_creep(kind, name, colour, upper)
         fluctuation, more = _draw_fluctuation(kind, name, colour, lower)
+        more += _draw_course(kind, name, colour, middle)
         if kind is box:
             usual = fluctuation[laboratory.usual_batch]
             results.add("walls_straight", straight, faults)
@@ -38,7 +41,7 @@ def draw_walls(laboratory):
         for batch in batches:
             results.add_note("walls", f"{name}: {batch} broken at once: mean of largest rise and drop", "MPa",
                              fluctuation[batch] / 1e6)
-    _finish(upper, lower, batches)
+    _finish(upper, middle, lower, batches)
     style.save(figure, laboratory.figures, "walls")
 
 
@@ -75,10 +78,22 @@ def _draw_fluctuation(laboratory, name, colour, axes):
     return found, faults
 
 
-def _finish(upper, lower, batches):
+def _draw_course(laboratory, name, colour, axes):
+    """Axial stress in the first dynamic computation of the first seed; faults."""
+    try:
+        course, faults = follow_first(laboratory.chains, laboratory.seeds[0], laboratory.usual_batch)
+    except RunFailed as error:
+        return [str(error)]
+    axes.plot(course[:, 0], course[:, 1] / 1e6, "o-", color=colour, linewidth=0.9, label=name)
+    return faults
+
+
+def _finish(upper, middle, lower, batches):
     upper.set_xlabel("time since the start of creep [s]")
     upper.set_ylabel("axial creep strain [%]\n(compression positive)")
     upper.legend(loc="upper left")
+    middle.set_xlabel("DEM cycles since the grains broke")
+    middle.set_ylabel("axial stress [MPa]")
     lower.axhline(LIMIT, color="0.6", linestyle="--", linewidth=0.6, label="the paper's limit")
     lower.set_xscale("log")
     lower.set_xticks(batches, [str(batch) for batch in batches])
