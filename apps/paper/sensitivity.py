@@ -31,8 +31,8 @@ CHOICES = (
     Choice("d0_4", "reference diameter d0 = 4 mm", {"Strength/Reference diameter": 4e-3}),
     Choice("per_grain", "roughness S_q of each grain", {"Grains/Roughness rule": "per grain"}, True),
     Choice("rotation", "rotation of grains free", {"Grains/Rotation is free": "true"}, True),
-    Choice("truncation_1", "strength truncated at |X| = 1.5", {"Strength/Truncation": 1.5}),
-    Choice("truncation_2", "strength truncated at |X| = 2", {"Strength/Truncation": 2.}),
+    Choice("truncation_1", "strength truncated at X = 1.5", {"Strength/Truncation": 1.5}),
+    Choice("truncation_2", "strength truncated at X = 2", {"Strength/Truncation": 2.}),
     Choice("half_batch", "N_max halved", {"Fracture/Batch limit": 0, "Fracture/Batch share": 0.0013}),
     Choice("large_batch", "N_max four times as large", {"Fracture/Batch limit": 0, "Fracture/Batch share": 0.0104}))
 
