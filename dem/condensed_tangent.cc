@@ -74,7 +74,8 @@ namespace dem
       const Vector &n = contact.normal;
       const Vector &t = contact.shear_force;
       const double kt = get_tangential_stiffness(contact);
-      const std::array<double, 2> arm = {radius_a - 0.5 * contact.overlap, radius_b - 0.5 * contact.overlap};
+      const double half = 0.5 * (contact.overlap + contact.crept_overlap);
+      const std::array<double, 2> arm = {radius_a - half, radius_b - half};
       const Matrix across = Matrix::Identity() - n * n.transpose();
       const Vector n_cross_t = n.cross(t);
       const Matrix turning = make_cross(t) * across / contact.branch.norm();

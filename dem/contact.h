@@ -14,7 +14,8 @@ namespace dem
     Vector branch;                ///< x_b - x_a of the touching images [m]; for a wall x_b is its point nearest to a
     Vector normal;                ///< branch / |branch|, from a to b
     Vector shear_force;           ///< t, acts on a [N]
-    double overlap = 0.;          ///< d [m]
+    double overlap = 0.;          ///< d that the spring feels [m]
+    double crept_overlap = 0.;    ///< of a Burgers contact, beside that [m]
     double effective_radius = 0.; ///< R* [m]
     double normal_force = 0.;     ///< N >= 0 [N]
     double normal_stiffness = 0.; ///< kn [N/m]

@@ -1,5 +1,6 @@
 #include "dem/contact_network.h"
 
+#include "dem/contact_creep.h"
 #include "dem/memory.h"
 #include "dem/wall_contacts.h"
 
@@ -122,6 +123,16 @@ namespace dem
         }
     }
 
+    /** Where contacts have crept, grains touch later: their springs and lever arms see radii that are less by that. */
+    void take_creep_off(ContactNetwork &network, const RevState &state)
+    {
+      if (state.crept_contacts.empty())
+        return;
+      for (std::size_t k = 0; k < network.size(); ++k)
+        if (network.is_pair(k))
+          network.radius_sum[k] -= find_crept_overlap(state, network.a[k], network.b[k]);
+    }
+
     /** Hands the shear forces of touching pairs over to the pairs of a new network. */
     void restore_memories(ContactNetwork &network, const std::vector<NearPair> &pairs,
                           const std::vector<std::uint32_t> &place_of_pair, const RevState &state)
@@ -196,6 +207,7 @@ namespace dem
       shear->assign(network.size(), 0.);
     network.status.assign(network.size(), PairStatus::is_apart);
     restore_memories(network, pairs, place_of_pair, state);
+    take_creep_off(network, state);
     network.wall_pairs = list_wall_pairs(state, skin);
     return network;
   }
@@ -248,7 +260,8 @@ namespace dem
         contact.branch = compute_branch(state.cell, a, b);
         const double distance = contact.branch.norm();
         contact.normal = contact.branch / distance;
-        contact.overlap = a.w + b.w - distance;
+        contact.crept_overlap = find_crept_overlap(state, memory.a, memory.b);
+        contact.overlap = a.w + b.w - contact.crept_overlap - distance;
         contact.effective_radius = compute_effective_radius(a.w, b.w);
         const NormalResponse normal = compute_normal_response(law, contact.overlap, contact.effective_radius);
         contact.normal_force = normal.force;

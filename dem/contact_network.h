@@ -41,6 +41,7 @@ namespace dem
     std::uint32_t grain, wall;
     Vector shear_force; ///< on the grain [N]; zero where apart
     PairStatus status;
+    double crept_overlap = 0.; ///< [m]
   };
 
   /**
@@ -54,7 +55,7 @@ namespace dem
   {
     std::vector<std::uint32_t> a, b;
     std::vector<RowOffset> row_a, row_b;           ///< where their rows lie in arrays of the grains
-    std::vector<double> radius_sum;                ///< Ra + Rb [m]
+    std::vector<double> radius_sum;                ///< Ra + Rb, less what has crept [m]
     std::vector<double> root_radius;               ///< sqrt(R*) [m^0.5]
     std::vector<double> shear_x, shear_y, shear_z; ///< shear force on a [N]; zero where apart
     std::vector<PairStatus> status;

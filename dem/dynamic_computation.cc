@@ -1,5 +1,7 @@
 #include "dem/dynamic_computation.h"
 
+#include <cmath>
+
 namespace dem
 {
   namespace
@@ -8,12 +10,27 @@ namespace dem
     class Cracking
     {
     public:
-      Cracking(RevState &state, const ContactLaw &law, const CrackingRule &rule) : state_(state), law_(law), rule_(rule)
+      Cracking(RevState &state, const ContactLaw &law, const CrackingRule &rule)
+          : state_(state), law_(law), rule_(rule), end_(state.time + rule.clock.interval)
       {}
 
-      void act(Dynamics &dynamics)
+      CycleVerdict act(Dynamics &dynamics)
       {
-        const double dt = dynamics.get_last_step();
+        const double step = rule_.clock.scale * dynamics.get_last_step(), left = end_ - state_.time;
+        const bool is_over = !(step < left);
+        grow(dynamics, is_over ? left : step);
+        if (is_over)
+          state_.time = end_; // to the last bit, whatever the sum of steps rounds to
+        if (std::isinf(rule_.clock.interval))
+          return CycleVerdict::may_rest;
+        if (!is_over)
+          return CycleVerdict::goes_on;
+        return rule_.clock.waits_for_rest ? CycleVerdict::may_rest : CycleVerdict::ends;
+      }
+
+    private:
+      void grow(Dynamics &dynamics, const double dt)
+      {
         state_.time += dt;
         const auto broken = grow_cracks(dynamics.get_largest_contact_stress(), dt);
         if (broken.empty())
@@ -24,7 +41,6 @@ namespace dem
         dynamics.compute_forces();
       }
 
-    private:
       std::vector<std::size_t> grow_cracks(const std::vector<double> &contact_stress, const double dt)
       {
         std::vector<std::size_t> broken;
@@ -49,6 +65,7 @@ namespace dem
       RevState &state_;
       const ContactLaw &law_;
       const CrackingRule &rule_;
+      const double end_; // of the interval [s]
     };
   } // namespace
 
@@ -59,7 +76,8 @@ namespace dem
     Cracking cracks(state, rule.law, cracking);
     RestRule watching = rule;
     watching.dynamics.has_contact_stress = true; // cracks may grow in every cycle
-    RestReport report = bring_to_rest(state, watching, control, [&](Dynamics &dynamics) { cracks.act(dynamics); });
+    RestReport report =
+        bring_to_rest(state, watching, control, [&](Dynamics &dynamics) { return cracks.act(dynamics); });
     report.duration = state.time - start;
     return report;
   }

@@ -167,7 +167,7 @@ namespace dem
                           const CycleHook &hook, RestReport &report)
     {
       const CellDriver driver(control, rule);
-      const Schedule schedule(rule, driver, hook);
+      Schedule schedule(rule, driver, hook);
       const bool has_servo = control.has_servo();
       const auto look = [&](const std::size_t cycle) {
         const Stopwatch watch(report.profile[Part::servo]);
@@ -180,8 +180,9 @@ namespace dem
             dynamics.compute_forces();
           else
             dynamics.compute_forces_and_move();
-          if (hook && dynamics.is_wide_enough())
-            hook(dynamics);
+          const CycleVerdict verdict = hook && dynamics.is_wide_enough() ? hook(dynamics) : CycleVerdict::may_rest;
+          if (verdict == CycleVerdict::goes_on)
+            ++schedule.last;
           if (!dynamics.is_wide_enough())
             return RestStatus::cell_too_narrow;
           report.n_cycles = cycle;
@@ -190,8 +191,11 @@ namespace dem
             record_deviations(driver, control, stress, report);
           if (is_watched)
             {
-              if (const auto end = look(cycle))
+              const auto end = look(cycle);
+              if (end && (*end != RestStatus::at_rest || verdict != CycleVerdict::goes_on))
                 return *end;
+              if (verdict == CycleVerdict::ends)
+                return dynamics.is_finite() ? RestStatus::at_rest : RestStatus::not_finite;
               dynamics.refresh_masses();
               dynamics.move();
             }

@@ -66,8 +66,16 @@ namespace dem
     EquilibriumRule equilibrium;
   };
 
+  /** What a hook makes of its cycle. */
+  enum class CycleVerdict
+  {
+    may_rest, ///< the run ends here if the REV is at rest
+    goes_on,  ///< it does not, whatever the REV does; the cycle does not count for the cap or the fixed number
+    ends      ///< it does, at rest or not, and is taken to be at rest
+  };
+
   /** Called after the forces of each cycle; may replace grains (and then rebuilds and computes forces again). */
-  using CycleHook = std::function<void(Dynamics &)>;
+  using CycleHook = std::function<CycleVerdict(Dynamics &)>;
 
   /**
    * Strains the cell as told, holds the stresses as told, until the REV is at rest. Fracture is frozen, unless the hook

@@ -62,13 +62,15 @@ namespace dem
 
     const std::string &name() const { return name_; }
 
+    /** True if there is a group or dataset of that name. */
+    bool has(const std::string &path) const;
+
   private:
     class Handle;
     class Silence;
 
     void open(bool is_to_write, std::size_t room);
     static Handle make_string_type();
-    bool has(const std::string &path) const;
     Handle create_dataset(const std::string &path, std::int64_t type, std::int64_t space);
     Handle open_dataset(const std::string &path) const;
     void require(std::int64_t outcome, const std::string &what) const;

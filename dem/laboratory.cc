@@ -44,6 +44,7 @@ namespace dem
       double share = 0.; ///< of the load at its end
       double dt = 0.;    ///< [s]
       bool may_be_halved = false;
+      std::optional<CrackClock> clock; ///< scaled time: dt passes within the dynamic computation
     };
 
     /** One stage at work: try a step, commit it or roll back and halve. */
@@ -125,12 +126,14 @@ namespace dem
       Step choose_step() const
       {
         Step step;
-        const double to_batch = stage_.duration > 0. ? rev_.compute_time_to_next_batch(position_.n_cuts) : 0.;
+        if (is_held(stage_) && rev_.get_model().creep.kind == CreepKind::scaled_time)
+          return choose_scaled_step();
+        const double to_batch = stage_.duration > 0. ? rev_.compute_longest_jump(position_.n_cuts) : 0.;
         if (is_held(stage_))
           {
             step.share = 1.;
             step.dt = std::min(to_batch, compute_time_to_output(stage_, position_.time_in_stage));
-            step.may_be_halved = can_cut_batch();
+            step.may_be_halved = rev_.can_cut_jump(position_.n_cuts);
             return step;
           }
         // The last share is reached to the last bit, whatever the sum of steps rounds to.
@@ -142,22 +145,33 @@ namespace dem
             step.dt = to_batch;
             step.share = std::min(step.share, (position_.time_in_stage + to_batch) / stage_.duration);
           }
-        step.may_be_halved = can_halve_load() || (stage_.duration > 0. && can_cut_batch());
+        step.may_be_halved = can_halve_load() || (stage_.duration > 0. && rev_.can_cut_jump(position_.n_cuts));
         return step;
       }
 
-      bool can_halve_load() const { return position_.share_step > nominal_ * rule_.smallest_share; }
-
-      bool can_cut_batch() const
+      /** To the next output, at rest at the end of the stage alone. */
+      Step choose_scaled_step() const
       {
-        return compute_batch_limit(rev_.get_model().fracture, rev_.get_committed().grains.size(), position_.n_cuts) > 1;
+        Step step;
+        step.share = 1.;
+        step.dt = compute_time_to_output(stage_, position_.time_in_stage);
+        step.clock = {rev_.get_model().creep.time_scale, step.dt, is_last(step)};
+        return step;
       }
+
+      /** True for the step with which the stage ends. */
+      bool is_last(const Step &step) const
+      {
+        return step.dt >= (stage_.duration - position_.time_in_stage) * (1. - 1e-14);
+      }
+
+      bool can_halve_load() const { return position_.share_step > nominal_ * rule_.smallest_share; }
 
       void shorten()
       {
         if (!is_held(stage_) && can_halve_load())
           position_.share_step *= 0.5;
-        if (can_cut_batch())
+        if (rev_.can_cut_jump(position_.n_cuts))
           ++position_.n_cuts;
       }
 
@@ -166,9 +180,7 @@ namespace dem
         rev_.commit();
         position_.share = step.share;
         // The end of a stage is reached to the last bit, whatever the sum of steps rounds to.
-        const double left = stage_.duration - position_.time_in_stage;
-        position_.time_in_stage =
-            step.dt >= left * (1. - 1e-14) ? stage_.duration : position_.time_in_stage + step.dt + dynamic_time_;
+        position_.time_in_stage = is_last(step) ? stage_.duration : position_.time_in_stage + step.dt + dynamic_time_;
         position_.share_step = std::min(nominal_, 2. * position_.share_step);
         position_.n_cuts = position_.n_cuts > 0 ? position_.n_cuts - 1 : 0;
         if (stage_.kind == StageKind::strength_search)
@@ -198,6 +210,8 @@ namespace dem
         effort_ = AttemptEffort{};
         effort_.stage = position_.stage;
         dynamics_.clear();
+        if (step.clock)
+          return attempt_in_scaled_time(step, observations);
         DynamicRecord record_of_round = begin_record(step.dt);
         if (step.dt > 0.)
           record_of_round.n_broken = age(step.dt, observations);
@@ -215,10 +229,7 @@ namespace dem
             if (step.dt > 0.)
               end_record(record_of_round, end);
             dynamic_time_ += report.duration;
-            record(is_held(stage_)
-                       ? (stage_.kind == StageKind::relaxation ? ObservationKind::relaxed : ObservationKind::dynamic)
-                       : ObservationKind::load,
-                   observations, rev_.get_baseline());
+            record(get_kind_at_rest(), observations, rev_.get_baseline());
             const std::size_t batch = compute_batch_limit(rev_.get_model().fracture, rev_.get_baseline().grains.size());
             if (rev_.count_overstressed() > batch && step.may_be_halved)
               return StepOutcome::too_large;
@@ -232,6 +243,25 @@ namespace dem
         return give_up(LaboratoryOutcome::ruptured, observations);
       }
 
+      /** One dynamic computation in which the step's time passes and grains break. */
+      StepOutcome attempt_in_scaled_time(const Step &step, std::vector<Observation> &observations)
+      {
+        DynamicRecord disturbance = begin_record(0.);
+        const Counters before = rev_.get_baseline().counters;
+        const AttemptEnd end = equilibrate(step);
+        position_.last_rest = end.rest.status;
+        const LaboratoryOutcome judgement = judge_attempt(stage_, rule_, end);
+        if (judgement != LaboratoryOutcome::finished)
+          return give_up(judgement, observations);
+        const Counters &after = rev_.get_baseline().counters;
+        const std::size_t n_delayed = after.broken_delayed - before.broken_delayed;
+        disturbance.n_broken = n_delayed + (after.broken_instant - before.broken_instant);
+        disturbance.cause = 2 * n_delayed >= disturbance.n_broken ? BreakageCause::delayed : BreakageCause::instant;
+        end_record(disturbance, end);
+        record(get_kind_at_rest(), observations, rev_.get_baseline());
+        return StepOutcome::ok;
+      }
+
       /** One equilibrium: the cell as it is told, again until a mean stress that is held is what it must be. */
       AttemptEnd equilibrate(const Step &step)
       {
@@ -240,7 +270,7 @@ namespace dem
         for (std::size_t n = 0; n < correction_cap; ++n)
           {
             control = compute_control(stage_, position_, step.share, rev_.get_baseline());
-            add(rev_.control(control), end.rest);
+            add(step.clock ? rev_.control(control, *step.clock) : rev_.control(control), end.rest);
             ++effort_.n_equilibria;
             if (end.rest.status != RestStatus::at_rest)
               break;
@@ -260,6 +290,13 @@ namespace dem
             compute_largest_component(control.follows_volume ? rev_.get_trial().stress : control.target_stress);
         end.is_stress_controlled = control.is_stress_controlled;
         return end;
+      }
+
+      ObservationKind get_kind_at_rest() const
+      {
+        if (!is_held(stage_))
+          return ObservationKind::load;
+        return stage_.kind == StageKind::relaxation ? ObservationKind::relaxed : ObservationKind::dynamic;
       }
 
       StepOutcome give_up(const LaboratoryOutcome failure, std::vector<Observation> &observations)

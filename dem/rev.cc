@@ -1,9 +1,11 @@
 #include "dem/rev.h"
 
 #include "dem/ageing.h"
-#include "dem/dynamic_computation.h"
+#include "dem/contact_creep.h"
 #include "dem/stopwatch.h"
 
+#include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 namespace dem
@@ -24,6 +26,9 @@ namespace dem
      * about 1e-10 of the stress (docs/theory.md, section 8).
      */
     constexpr double deformation_grid = 0x1p-34;
+
+    /** How often a step of contact creep is halved at most: then it disturbs by a thousandth of what it may. */
+    constexpr unsigned int n_creep_cuts = 10;
 
     Matrix round_to_grid(const Matrix &deformation)
     {
@@ -48,15 +53,16 @@ namespace dem
     to = from;
   }
 
-  RestReport Rev::bring_to_rest(RevState &state, CellControl control)
+  RestReport Rev::bring_to_rest(RevState &state, CellControl control, const CrackClock *const clock)
   {
     const bool is_strained = !control.has_servo();
     const Matrix asked = control.stretch * state.cell.deformation;
     if (is_strained)
       control.stretch = compute_stretch_on_grid(state.cell.deformation, asked);
     const RestRule rule{law_, model_.dynamics, model_.equilibrium};
-    const RestReport report = model_.dynamics.motion.has_true_masses
-                                  ? run_dynamic_computation(state, rule, {model_.fracture, model_.identity}, control)
+    const CrackingRule cracking{model_.fracture, model_.identity, clock != nullptr ? *clock : CrackClock{}};
+    const RestReport report = model_.dynamics.motion.has_true_masses || clock != nullptr
+                                  ? run_dynamic_computation(state, rule, cracking, control)
                                   : dem::bring_to_rest(state, rule, control);
     profile_ += report.profile;
     n_bytes_at_rest_ = report.n_bytes;
@@ -64,7 +70,10 @@ namespace dem
       state.cell.deformation = asked; // so that what the grid leaves out never adds up
     const Stopwatch watch(profile_[Part::ageing]);
     if (report.status == RestStatus::at_rest)
-      update_crack_velocities(state.grains, list_contacts(state, law_), model_.fracture);
+      {
+        forget_open_contacts(state);
+        update_crack_velocities(state.grains, list_contacts(state, law_), model_.fracture);
+      }
     return report;
   }
 
@@ -91,6 +100,12 @@ namespace dem
     return bring_to_rest(trial_, control);
   }
 
+  RestReport Rev::control(const CellControl &control, const CrackClock &clock)
+  {
+    copy(baseline_, trial_);
+    return bring_to_rest(trial_, control, &clock);
+  }
+
   RestReport Rev::relax()
   {
     return bring_to_rest(baseline_, CellControl{});
@@ -103,10 +118,29 @@ namespace dem
                                  compute_batch_limit(model_.fracture, baseline_.grains.size(), n_cuts));
   }
 
+  double Rev::compute_longest_jump(const unsigned int n_cuts) const
+  {
+    const double to_batch = compute_time_to_next_batch(n_cuts);
+    if (!model_.creep.has_contact_creep())
+      return to_batch;
+    const Stopwatch watch(profile_[Part::ageing]);
+    const double creep_step = compute_longest_creep_step(baseline_, list_contacts(baseline_, law_), model_.creep);
+    return std::min(to_batch, std::ldexp(creep_step, -static_cast<int>(n_cuts)));
+  }
+
+  bool Rev::can_cut_jump(const unsigned int n_cuts) const
+  {
+    if (model_.creep.has_contact_creep() && n_cuts < n_creep_cuts)
+      return true;
+    return compute_batch_limit(model_.fracture, committed_.grains.size(), n_cuts) > 1;
+  }
+
   std::size_t Rev::age(const double dt)
   {
     const Stopwatch watch(profile_[Part::ageing]);
     const auto contacts = list_contacts(baseline_, law_);
+    if (model_.creep.has_contact_creep())
+      advance_contact_creep(baseline_, contacts, model_.creep, dt);
     const auto broken = advance_cracks(baseline_.grains, dt);
     baseline_.time += dt;
     for (const std::size_t place : broken)

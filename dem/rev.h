@@ -1,6 +1,8 @@
 #pragma once
 
 #include "dem/breakage.h"
+#include "dem/creep_law.h"
+#include "dem/dynamic_computation.h"
 #include "dem/equilibrium.h"
 #include "dem/homogenisation.h"
 
@@ -14,6 +16,7 @@ namespace dem
     DynamicsRule dynamics;
     EquilibriumRule equilibrium;
     RevIdentity identity;
+    CreepLaw creep;
   };
 
   enum class TangentKind
@@ -46,13 +49,23 @@ namespace dem
     /** Trial = baseline with the given components held at stresses or strained, at rest again. */
     RestReport control(const CellControl &control);
 
+    /** The same while cracks grow by a clock and grains break in the trial: scaled time, with masses of either kind. */
+    RestReport control(const CellControl &control, const CrackClock &clock);
+
     /** The trial becomes the baseline. */
     void accept() { copy(trial_, baseline_); }
 
     /** Time until the next batch of fractures in the baseline [s]; infinity: none. */
     double compute_time_to_next_batch(unsigned int n_cuts = 0) const;
 
-    /** Moves the baseline on by dt [s] at frozen crack velocities; grains whose time has come split.
+    /** The same, or the time in which contacts creep as far as a step may, whichever is less [s]. A jump cut n_cuts
+     * times is 2^-n_cuts as long. */
+    double compute_longest_jump(unsigned int n_cuts = 0) const;
+
+    /** Whether a jump that has been cut n_cuts times can be cut once more. */
+    bool can_cut_jump(unsigned int n_cuts) const;
+
+    /** Moves the baseline on by dt [s] at frozen crack velocities and contact forces; grains whose time has come split.
      *  @return number of grains broken; then the baseline is not at rest */
     std::size_t age(double dt);
 
@@ -90,7 +103,7 @@ namespace dem
     void set_trial_rotation(const Matrix &rotation) { trial_.rotation = rotation; }
 
   private:
-    RestReport bring_to_rest(RevState &state, CellControl control);
+    RestReport bring_to_rest(RevState &state, CellControl control, const CrackClock *clock = nullptr);
     void copy(const RevState &from, RevState &to);
 
     RevModel model_;

@@ -18,8 +18,10 @@ namespace dem
   {
     constexpr std::array<char, 8> magic = {'S', 'L', 'O', 'W', 'R', 'E', 'V', '\0'};
 
-    // The bytes are the same; programs older than the walls must not take one kind of cell for the other.
-    constexpr std::uint64_t version_periodic = 1, version_rigid = 2;
+    // The bytes are the same; programs older than the walls must not take one kind of cell for the other. Where
+    // contacts have crept the version is higher by two, and what has crept stands at the end: its number follows from
+    // the length.
+    constexpr std::uint64_t version_periodic = 1, version_rigid = 2, crept = 2;
 
     /** What stands before the body. Eight-byte fields only: no padding, the same bytes each time. */
     struct Header
@@ -133,15 +135,29 @@ namespace dem
       transfer(state.counters.broken_instant);
       transfer(state.counters.broken_delayed);
       transfer(state.counters.next_id);
+      for (auto &contact : state.crept_contacts)
+        {
+          transfer(contact.a);
+          transfer(contact.b);
+          transfer(contact.normal_viscous);
+          transfer(contact.normal_retarded);
+          transfer(contact.shear_retarded);
+        }
     }
 
     constexpr std::size_t bytes_per_grain = 3 * sizeof(Row) + 2 * sizeof(GrainId) + sizeof(std::uint32_t) + 4 * 8;
     constexpr std::size_t bytes_per_contact = 2 * sizeof(std::uint32_t) + 3 * sizeof(double) + sizeof(bool);
+    constexpr std::size_t bytes_per_crept_contact = 2 * sizeof(GrainId) + 5 * sizeof(double);
     constexpr std::size_t bytes_of_the_rest = (4 * 9 + 3) * sizeof(double) + 4 * sizeof(std::uint64_t);
 
     [[noreturn]] void reject(const std::string &why)
     {
       throw std::runtime_error("state of a REV: " + why);
+    }
+
+    std::size_t count_bytes_without_creep(const std::size_t n_grains, const std::size_t n_contacts)
+    {
+      return sizeof(Header) + n_grains * bytes_per_grain + n_contacts * bytes_per_contact + bytes_of_the_rest;
     }
 
     /** The header, once magic, version, lengths and checksum have been found right. */
@@ -154,16 +170,17 @@ namespace dem
       if (bytes.size() < sizeof(Header))
         reject("truncated: " + n_given + " bytes do not hold its header");
       std::memcpy(&header, bytes.data(), sizeof(Header));
-      if (header.version != version_periodic && header.version != version_rigid)
+      if (header.version < version_periodic || header.version > version_rigid + crept)
         reject("wrong version: " + std::to_string(header.version) + ", this program reads " +
-               std::to_string(version_periodic) + " and " + std::to_string(version_rigid));
+               std::to_string(version_periodic) + " to " + std::to_string(version_rigid + crept));
       if (bytes.size() < header.n_bytes)
         reject("truncated: " + n_given + " of " + std::to_string(header.n_bytes) + " bytes");
       // The counts first: a corrupted one could overflow the product.
-      if (bytes.size() != header.n_bytes || header.n_grains > bytes.size() || header.n_contacts > bytes.size() ||
-          sizeof(Header) + header.n_grains * bytes_per_grain + header.n_contacts * bytes_per_contact +
-                  bytes_of_the_rest !=
-              bytes.size())
+      const std::size_t least = count_bytes_without_creep(std::min<std::size_t>(header.n_grains, bytes.size()),
+                                                          std::min<std::size_t>(header.n_contacts, bytes.size()));
+      const bool has_crept = header.version > version_rigid;
+      if (bytes.size() != header.n_bytes || bytes.size() < least || has_crept != (bytes.size() > least) ||
+          (bytes.size() - least) % bytes_per_crept_contact != 0)
         reject("corrupted: its lengths do not add up to " + n_given + " bytes");
       if (compute_checksum(bytes.subspan(sizeof(Header))) != header.checksum)
         reject("corrupted: the checksum does not fit");
@@ -173,7 +190,7 @@ namespace dem
 
   std::size_t count_bytes(const RevState &state)
   {
-    return sizeof state + state.grains.count_bytes() + count_bytes(state.contacts);
+    return sizeof state + state.grains.count_bytes() + count_bytes(state.contacts, state.crept_contacts);
   }
 
   void sort_in_space(RevState &state)
@@ -196,14 +213,15 @@ namespace dem
   std::vector<std::byte> serialise(const RevState &state)
   {
     ByteWriter writer;
-    writer.bytes().reserve(sizeof(Header) + state.grains.size() * bytes_per_grain +
-                           state.contacts.size() * bytes_per_contact + bytes_of_the_rest);
+    writer.bytes().reserve(count_bytes_without_creep(state.grains.size(), state.contacts.size()) +
+                           state.crept_contacts.size() * bytes_per_crept_contact);
     writer(Header{});
     transfer_state(state, writer);
     std::vector<std::byte> bytes = std::move(writer.bytes());
     const std::span<const std::byte> body = std::span<const std::byte>(bytes).subspan(sizeof(Header));
     const Header header{magic,
-                        state.cell.has_walls() ? version_rigid : version_periodic,
+                        (state.cell.has_walls() ? version_rigid : version_periodic) +
+                            (state.crept_contacts.empty() ? 0 : crept),
                         bytes.size(),
                         state.grains.size(),
                         state.contacts.size(),
@@ -216,9 +234,11 @@ namespace dem
   {
     const Header header = check_header(bytes);
     RevState state;
-    state.cell.kind = header.version == version_rigid ? CellKind::rigid : CellKind::periodic;
+    state.cell.kind = header.version % crept == version_rigid % crept ? CellKind::rigid : CellKind::periodic;
     state.grains.resize(header.n_grains);
     state.contacts.resize(header.n_contacts);
+    state.crept_contacts.resize((bytes.size() - count_bytes_without_creep(header.n_grains, header.n_contacts)) /
+                                bytes_per_crept_contact);
     ByteReader reader(bytes.subspan(sizeof(Header)));
     transfer_state(state, reader);
     for (const ContactMemory &contact : state.contacts)

@@ -18,6 +18,16 @@ namespace dem
     bool is_sliding;
   };
 
+  /** What has crept at a Burgers contact. Grains by their ids, so that it outlives sorting, splitting and new networks;
+   * a wall's id is its number below zero. It is forgotten once the contact is open at rest. */
+  struct CreptContact
+  {
+    GrainId a, b;           ///< a below b
+    double normal_viscous;  ///< of the dashpot in series; the overlap's spring feels so much less [m]
+    double normal_retarded; ///< of the Kelvin element, likewise [m]
+    Vector shear_retarded;  ///< slip of b beside a that the Kelvin element holds [m]
+  };
+
   /** How much has happened to a REV since its packing was made. */
   struct Counters
   {
@@ -50,11 +60,12 @@ namespace dem
     Cell cell;
     Grains grains;
     std::vector<ContactMemory> contacts;
-    Matrix stress = Matrix::Zero();       ///< Love-Weber [Pa], tension-positive, in the REV's axes
-    Matrix rotation = Matrix::Identity(); ///< Q: turns the REV's axes into the solver's
-    double time = 0.;                     ///< [s]
-    double unbalanced_ratio = 0.;         ///< [-]
-    double initial_solid_volume = 0.;     ///< [m3], grains before any split; the lost part is fines
+    std::vector<CreptContact> crept_contacts; ///< by a, then b; empty but for Burgers contacts
+    Matrix stress = Matrix::Zero();           ///< Love-Weber [Pa], tension-positive, in the REV's axes
+    Matrix rotation = Matrix::Identity();     ///< Q: turns the REV's axes into the solver's
+    double time = 0.;                         ///< [s]
+    double unbalanced_ratio = 0.;             ///< [-]
+    double initial_solid_volume = 0.;         ///< [m3], grains before any split; the lost part is fines
     Counters counters;
     /** What has split since the last commit, in order. Nothing depends on it, and it is not part of the bytes. */
     std::vector<Fracture> fractures;

@@ -143,6 +143,39 @@ namespace dem
       file.write("/contacts/normal_force", gather<double>(contacts, normal_force), {n}, "N");
     }
 
+    /** What has crept at Burgers contacts, grains by id and walls by number; no group where nothing has. */
+    void write_creep(Hdf5File &file, const std::vector<CreptContact> &crept)
+    {
+      const std::size_t n = crept.size();
+      if (n == 0)
+        return;
+      const auto id_a = [](const CreptContact &c) { return static_cast<std::int64_t>(c.a); };
+      const auto id_b = [](const CreptContact &c) { return static_cast<std::int64_t>(c.b); };
+      const auto viscous = [](const CreptContact &c) { return c.normal_viscous; };
+      const auto retarded = [](const CreptContact &c) { return c.normal_retarded; };
+      const auto slip = [](const CreptContact &c) { return c.shear_retarded; };
+      file.write("/creep/grain_a", gather<std::int64_t>(crept, id_a), {n}, "-");
+      file.write("/creep/grain_b", gather<std::int64_t>(crept, id_b), {n}, "-");
+      file.write("/creep/normal_viscous", gather<double>(crept, viscous), {n}, "m");
+      file.write("/creep/normal_retarded", gather<double>(crept, retarded), {n}, "m");
+      file.write("/creep/shear_retarded", gather_vectors(crept, slip), {n, 3}, "m");
+    }
+
+    void read_creep(const Hdf5File &file, std::vector<CreptContact> &crept)
+    {
+      if (!file.has("/creep/grain_a"))
+        return;
+      const std::vector<std::int64_t> a = file.read<std::int64_t>("/creep/grain_a", {any_number});
+      const std::size_t n = a.size();
+      const std::vector<std::int64_t> b = file.read<std::int64_t>("/creep/grain_b", {n});
+      const std::vector<double> viscous = file.read<double>("/creep/normal_viscous", {n});
+      const std::vector<double> retarded = file.read<double>("/creep/normal_retarded", {n});
+      const std::vector<double> slip = file.read<double>("/creep/shear_retarded", {n, 3});
+      for (std::size_t i = 0; i < n; ++i)
+        crept.push_back(
+            {static_cast<GrainId>(a[i]), static_cast<GrainId>(b[i]), viscous[i], retarded[i], Vector(&slip[3 * i])});
+    }
+
     void check_format(const Hdf5File &file)
     {
       const std::string format = file.read_attribute<std::string>("/", "format");
@@ -256,7 +289,8 @@ namespace dem
 
     std::size_t estimate_size(const RevState &state)
     {
-      return 256 * state.grains.size() + 128 * state.contacts.size(); // bytes per grain and contact, rounded up
+      // bytes per grain and contact, rounded up
+      return 256 * state.grains.size() + 128 * (state.contacts.size() + state.crept_contacts.size());
     }
   } // namespace
 
@@ -273,6 +307,7 @@ namespace dem
           write_state(hdf5, state, info);
           write_grains(hdf5, state.cell, state.grains);
           write_contacts(hdf5, state, contacts);
+          write_creep(hdf5, state.crept_contacts);
           hdf5.flush();
         }
         flush_and_rename(temporary, file);
@@ -293,6 +328,7 @@ namespace dem
     read_state(hdf5, snapshot);
     read_grains(hdf5, snapshot.state.grains);
     read_contacts(hdf5, snapshot.state);
+    read_creep(hdf5, snapshot.state.crept_contacts);
     return snapshot;
   }
 

@@ -1,5 +1,6 @@
 #include "dem/wall_contacts.h"
 
+#include "dem/contact_creep.h"
 #include "dem/fracture.h"
 
 #include <algorithm>
@@ -18,12 +19,12 @@ namespace dem
       NormalResponse response;
     };
 
-    Touch find_touch(const Cell &cell, const Row &place, const std::uint32_t wall, const ContactLaw &law)
+    Touch find_touch(const Cell &cell, const Row &place, const WallPair &pair, const ContactLaw &law)
     {
       Touch touch;
-      touch.normal = get_outward_normal(wall);
-      touch.distance = compute_distance_to_wall(cell, place, wall);
-      touch.overlap = place.w - touch.distance;
+      touch.normal = get_outward_normal(pair.wall);
+      touch.distance = compute_distance_to_wall(cell, place, pair.wall);
+      touch.overlap = place.w - pair.crept_overlap - touch.distance;
       touch.response = compute_normal_response(law, touch.overlap, place.w); // R* = R
       return touch;
     }
@@ -102,7 +103,8 @@ namespace dem
         const Row &place = state.grains.place[i];
         for (std::uint32_t wall = 0; wall < n_walls; ++wall)
           if (compute_distance_to_wall(state.cell, place, wall) < place.w + skin)
-            pairs.push_back({i, wall, Vector::Zero(), PairStatus::is_apart});
+            pairs.push_back(
+                {i, wall, Vector::Zero(), PairStatus::is_apart, find_crept_overlap(state, i, to_partner(wall))});
       }
     first[n_grains] = pairs.size();
     for (const ContactMemory &memory : state.contacts)
@@ -120,13 +122,16 @@ namespace dem
   {
     const Row &place = state.grains.place[memory.a];
     const ContactLaw wall_law = make_wall_law(law);
-    const Touch touch = find_touch(state.cell, place, to_wall(memory.b), wall_law);
+    WallPair pair{memory.a, to_wall(memory.b), memory.shear_force, PairStatus::sticks};
+    pair.crept_overlap = find_crept_overlap(state, memory.a, memory.b);
+    const Touch touch = find_touch(state.cell, place, pair, wall_law);
     Contact contact;
     contact.a = memory.a;
     contact.b = memory.b;
     contact.branch = touch.distance * touch.normal;
     contact.normal = touch.normal;
     contact.overlap = touch.overlap;
+    contact.crept_overlap = pair.crept_overlap;
     contact.effective_radius = place.w;
     contact.normal_force = touch.response.force;
     contact.normal_stiffness = touch.response.stiffness;
@@ -143,7 +148,7 @@ namespace dem
     for (WallPair &pair : network.wall_pairs)
       {
         const Row &place = grains.place[pair.grain];
-        const Touch touch = find_touch(task.state.cell, place, pair.wall, law);
+        const Touch touch = find_touch(task.state.cell, place, pair, law);
         if (!(touch.overlap > 0.))
           {
             pair.shear_force.setZero();

@@ -154,6 +154,7 @@ namespace
     CycleHook hook = [&](Dynamics &dynamics) {
       if (dynamics.get_n_cycles() == 15)
         state.grains.velocity[7].x = std::numeric_limits<double>::quiet_NaN();
+      return CycleVerdict::may_rest;
     };
     CellControl control;
     control.stretch(2, 2) = 0.9995;

@@ -139,6 +139,29 @@ TEST(RevState, RefusesWhatIsNotAState)
   EXPECT_TRUE(contains(message_of(bytes), "lengths")) << message_of(bytes);
 }
 
+// What has crept at contacts goes with the state, every bit, and is as well guarded as the rest.
+TEST(RevState, CarriesWhatHasCrept)
+{
+  RevState state = make_state(5);
+  const std::size_t n_bytes = dem::serialise(state).size();
+  state.crept_contacts.push_back({3, 7, 1e-7, -0., dem::Vector(5e-324, 2., -3.)});
+  state.crept_contacts.push_back({3, ~std::uint64_t{0}, 4., 5., dem::Vector(6., 7., 8.)});
+  const std::vector<std::byte> good = dem::serialise(state);
+  EXPECT_EQ(good.size(), n_bytes + 2 * 56);
+  const RevState copy = dem::deserialise(good);
+  ASSERT_EQ(copy.crept_contacts.size(), 2u);
+  for (std::size_t i = 0; i < 2; ++i)
+    EXPECT_TRUE(are_equal_bits(copy.crept_contacts[i], state.crept_contacts[i]));
+  std::vector<std::byte> bytes = good;
+  for (std::size_t bit = 0; bit < 8 * bytes.size(); ++bit)
+    {
+      const std::byte mask = std::byte{1} << (bit % 8);
+      bytes[bit / 8] ^= mask;
+      ASSERT_NE(message_of(bytes), "accepted") << "bit " << bit;
+      bytes[bit / 8] ^= mask;
+    }
+}
+
 // No bit can flip unnoticed, wherever it is.
 TEST(RevState, RefusesEveryFlippedBit)
 {
