@@ -1,5 +1,7 @@
 #include "apps/rev_case.h"
 
+#include "apps/creep_parameters.h"
+
 #include "dem/programme_check.h"
 
 #include <fmt/format.h>
@@ -181,6 +183,8 @@ namespace apps
         "Whose strengths and cracks are drawn: that of a Gauss point, to take its REV through a laboratory test. "
         "Units: [-].");
     bind_boundary(binder, rev_case.rev);
+    CreepParameters creep;
+    bind_creep_law(binder, rev_case.rev.model.creep, creep);
     bind_laboratory(binder, rev_case);
     bind_breakage(binder, rev_case.breakage);
     for (unsigned int k = 0; k < n_stages; ++k)
@@ -195,6 +199,7 @@ namespace apps
           rev_case.stages[k].strain(i, j) = rev_case.stages[k].strain(j, i) = texts[k].strain[m];
         }
     check_stages(binder, rev_case.stages, rev_case.rev.packing.cell_kind);
+    complete_creep_law(binder, creep, rev_case.stages, rev_case.rev.model);
     std::ostringstream text;
     binder.print(text);
     rev_case.parameters = text.str();
