@@ -14,8 +14,10 @@ from plotting.study_bands import read_sets  # noqa: E402
 
 LAWS = {"delayed fracture": style.BLUE, "scaled time": style.ORANGE, "rate process": style.GREEN,
         "burgers": style.VERMILION}
-LABELS = (("Activation energy", "dF"), ("Bonds per force", "n1"), ("Step share", "eps"), ("Normal viscosity", "Cm"),
-          ("Normal retarded stiffness", "Kk"))
+LABELS = {"kind": "", "step_share": "eps = {}", "activation_energy": "dF = {} J/mol", "bonds_per_force": "n1 = {}/N",
+          "normal_viscosity": "Cm = {} N s/m", "normal_retarded_stiffness": "Kk = {} N/m"}
+DEFAULTS = {"step_share": "0.005", "activation_energy": "105000", "bonds_per_force": "1e+09", "normal_viscosity": "1e+12",
+            "normal_retarded_stiffness": "1e+06"}
 
 
 def read_curves(runs):
@@ -49,7 +51,7 @@ def draw(sets, colours, name, output):
 
 
 def make_table(sets, times):
-    """Median and range over the seeds at some times, and the ratio of the last decade's creep to the one before."""
+    """Median and range over the seeds at some times [s]."""
     lines = ["| | " + " | ".join(f"{time:.0e} s" for time in times) + " | seeds at the end |",
              "|---|" + "---|" * (len(times) + 1)]
     for title, runs in sets.items():
@@ -60,9 +62,8 @@ def make_table(sets, times):
 
 
 def make_disturbance_table(sets):
-    """What grains that break do to the axial stress: most that break from output to output, largest drop [MPa]."""
-    lines = ["| | largest drop of the axial stress [MPa] | strain of the first output interval beyond 1e3 s [%] |",
-             "|---|---|---|"]
+    """What grains that break do to the axial stress [MPa] and, from one row to the next, to the strain [%]."""
+    lines = ["| | largest drop of the axial stress [MPa] | largest strain from row to row [%] |", "|---|---|---|"]
     for title, runs in sets.items():
         drops, strains = [], []
         for run in runs:
@@ -72,14 +73,20 @@ def make_disturbance_table(sets):
             strains.append(100 * np.max(np.abs(jumps.get_column("strain_change_zz")[is_creep])))
         lines.append(f"| {title} | {np.median(drops):.2f} ({min(drops):.2f}-{max(drops):.2f}) "
                      f"| {np.median(strains):.3f} ({min(strains):.3f}-{max(strains):.3f}) |")
-    lines[0] = "| | largest drop of the axial stress [MPa] | largest strain from row to row [%] |"
     return lines
 
 
+def read_title(title):
+    """The parameters of a set of runs by their labels."""
+    return dict(part.split(" = ") for part in title.split(", "))
+
+
 def shorten(title):
-    for long, short in LABELS:
-        title = title.replace(long, short)
-    return title.replace("Kind = ", "")
+    """The law, and what differs from its default."""
+    values = read_title(title)
+    changed = [LABELS[name].format(value) for name, value in values.items()
+               if name != "kind" and value != DEFAULTS[name]]
+    return f"{values['kind']}, {' '.join(changed).strip() or 'as it is'}"
 
 
 def rename(sets, name):
@@ -88,8 +95,8 @@ def rename(sets, name):
 
 def main():
     runs, output = Path(sys.argv[1]), Path(sys.argv[2])
-    laws = rename(read_sets(runs / "study_creep_laws"), lambda title: title.split(", ")[0].replace("Kind = ", ""))
-    scales = rename(read_sets(runs / "study_time_scale"), lambda title: f"{title} s a cycle")
+    laws = rename(read_sets(runs / "study_creep_laws"), lambda title: read_title(title)["kind"])
+    scales = rename(read_sets(runs / "study_time_scale"), lambda title: f"{read_title(title)['time_scale']} s a cycle")
     scales["jumps"] = laws["delayed fracture"]
     parameters = rename(read_sets(runs / "study_parameters"), shorten)
     draw(laws, [LAWS[law] for law in laws], "laws", output)
