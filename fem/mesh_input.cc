@@ -1,5 +1,7 @@
 #include "fem/mesh_input.h"
 
+#include "fem/gmsh_file.h"
+
 #include <deal.II/grid/grid_generator.h>
 #include <deal.II/grid/grid_in.h>
 #include <deal.II/grid/grid_tools.h>
@@ -8,7 +10,6 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <fstream>
 #include <sstream>
 #include <stdexcept>
 
@@ -107,14 +108,51 @@ namespace fem
       name_cylinder(parameters, mesh);
     }
 
+    /** Gives the named faces inside the mesh a manifold id, which children inherit: boundary ids are for the outside.
+     */
+    template <int dim>
+    void mark_interfaces(const std::string &file, const NamedInterfaces &interfaces, Mesh<dim> &mesh)
+    {
+      for (auto name = mesh.boundary_ids.begin(); name != mesh.boundary_ids.end();)
+        {
+          const auto [id, is_inside] = std::pair(name->second, interfaces.centres.contains(name->second));
+          if (is_inside)
+            {
+              mesh.interface_ids[name->first] = id;
+              mesh.triangulation->set_manifold(id, dealii::FlatManifold<dim>());
+            }
+          name = is_inside ? mesh.boundary_ids.erase(name) : std::next(name);
+        }
+      const double tolerance = 1e-9 * dealii::GridTools::diameter(*mesh.triangulation);
+      for (const auto &cell : mesh.triangulation->active_cell_iterators())
+        for (const auto &face : cell->face_iterators())
+          for (const auto &[id, centres] : interfaces.centres)
+            {
+              if (face->at_boundary() && face->boundary_id() == id)
+                throw std::runtime_error(fmt::format("{}: physical number {} names faces both inside the mesh and on "
+                                                     "its outer boundary; give them two names",
+                                                     file, id));
+              for (const auto &centre : centres)
+                {
+                  dealii::Point<dim> place;
+                  for (unsigned int c = 0; c < dim; ++c)
+                    place[c] = centre[c];
+                  if (!face->at_boundary() && face->center().distance(place) < tolerance)
+                    face->set_manifold_id(id);
+                }
+            }
+    }
+
     template <int dim>
     void read_mesh(const std::string &file, Mesh<dim> &mesh)
     {
-      mesh.boundary_ids = read_physical_names(file, dim - 1);
+      for (const auto &[name, id] : read_physical_names(file, dim - 1))
+        mesh.boundary_ids[name] = id;
       if (mesh.boundary_ids.empty())
         throw std::runtime_error(
             fmt::format("{}: no physical names of dimension {}; boundaries need them", file, dim - 1));
-      std::ifstream stream(file);
+      const NamedInterfaces interfaces = read_interfaces(file, dim);
+      std::istringstream stream(interfaces.text);
       dealii::GridIn<dim> reader(*mesh.triangulation);
       try
         {
@@ -127,41 +165,12 @@ namespace fem
           throw std::runtime_error(
               fmt::format("{}: not a gmsh 2.2 or 4.1 mesh of quadrilaterals or hexahedra: {}", file, cause.str()));
         }
+      mark_interfaces(file, interfaces, mesh);
+      mesh.region_ids.clear();
+      for (const auto &[name, id] : read_physical_names(file, dim))
+        mesh.region_ids[name] = id;
     }
   } // namespace
-
-  std::map<std::string, dealii::types::boundary_id> read_physical_names(const std::string &file, int dimension)
-  {
-    std::ifstream stream(file);
-    if (!stream)
-      throw std::runtime_error(fmt::format("{}: cannot be opened", file));
-    std::map<std::string, dealii::types::boundary_id> names;
-    std::string line;
-    bool is_inside = false;
-    for (unsigned int number = 1; std::getline(stream, line); ++number)
-      {
-        if (line.starts_with("$PhysicalNames"))
-          {
-            is_inside = true;
-            std::getline(stream, line); // their count
-            ++number;
-          }
-        else if (line.starts_with("$EndPhysicalNames"))
-          return names;
-        else if (is_inside)
-          {
-            int entity = 0, id = 0;
-            const std::size_t first = line.find('"'), last = line.rfind('"');
-            if (!(std::istringstream(line) >> entity >> id) || first == last)
-              throw std::runtime_error(fmt::format("{}:{}: expected: dimension number \"name\"", file, number));
-            if (entity == dimension)
-              names[line.substr(first + 1, last - first - 1)] = id;
-          }
-      }
-    if (is_inside)
-      throw std::runtime_error(fmt::format("{}: ends inside $PhysicalNames", file));
-    return names;
-  }
 
   template <int dim>
   Mesh<dim> create_mesh(const MeshParameters &parameters, Geometry geometry, MPI_Comm communicator)
@@ -170,6 +179,7 @@ namespace fem
       throw std::invalid_argument("mesh: the geometry and the dimension of the mesh do not match");
     Mesh<dim> mesh;
     mesh.triangulation = std::make_unique<dealii::parallel::distributed::Triangulation<dim>>(communicator);
+    mesh.region_ids = {{"body", 0}};
     if (parameters.kind == MeshKind::box)
       create_box(parameters, mesh);
     else if (parameters.kind == MeshKind::cylinder)

@@ -15,7 +15,7 @@ namespace fem
   {
     box,      ///< block from the origin; names left, right (x), front, back (y, 3-D only), bottom, top (z)
     cylinder, ///< around the z axis; names axis (a 2-D solid one) or inner, outer, bottom, top
-    file      ///< gmsh 2.2 or 4.1; the physical names of its lines (2-D) or surfaces (3-D)
+    file      ///< gmsh 2.2 or 4.1; the physical names of its lines (2-D) or surfaces (3-D). In 2.2 some may lie inside
   };
 
   struct MeshParameters
@@ -30,19 +30,18 @@ namespace fem
     unsigned int n_refinements = 0;                    ///< uniform halvings after that, >= 0
   };
 
-  /** A mesh and what its boundaries are called. */
+  /** A mesh and what its parts are called. */
   template <int dim>
   struct Mesh
   {
     std::unique_ptr<dealii::parallel::distributed::Triangulation<dim>> triangulation;
     std::map<std::string, dealii::types::boundary_id> boundary_ids;
+    std::map<std::string, dealii::types::manifold_id> interface_ids; ///< named faces inside the mesh: their manifold id
+    std::map<std::string, dealii::types::material_id> region_ids;    ///< "body" where no file names others
   };
 
   /** Builds or reads the mesh on the ranks of the communicator. Throws std::invalid_argument naming the parameter, its
    *  value and range, or std::runtime_error naming the file and, where known, the line. */
   template <int dim>
   Mesh<dim> create_mesh(const MeshParameters &parameters, Geometry geometry, MPI_Comm communicator);
-
-  /** Physical names of dimension `dimension` in a gmsh file, with their numbers. */
-  std::map<std::string, dealii::types::boundary_id> read_physical_names(const std::string &file, int dimension);
 } // namespace fem

@@ -109,3 +109,24 @@ TEST(MeshInput, BadFilesAndNumbersAreNamed)
   cylinder.inner_radius = 2.;
   EXPECT_EQ(get_error(cylinder), "mesh: outer radius = 1 must be > the inner radius, 2 m");
 }
+
+TEST(MeshInput, FacesInsideTheMeshKeepTheirNames)
+{
+  // Law: a physical curve with cells on both sides is an interface, on every level of refinement; regions have names.
+  for (const unsigned int n_refinements : {0u, 2u})
+    {
+      MeshParameters parameters = from_file(SLOWSAND_SOURCE_DIR "/meshes/pile_coarse.msh");
+      parameters.n_refinements = n_refinements;
+      const auto mesh = create_mesh<2>(parameters, Geometry::axisymmetric, MPI_COMM_SELF);
+      std::map<dealii::types::manifold_id, double> measures; // seen from both sides
+      for (const auto &cell : mesh.triangulation->active_cell_iterators())
+        for (const auto &face : cell->face_iterators())
+          measures[face->manifold_id()] += 0.5 * face->measure();
+      EXPECT_NEAR(measures.at(mesh.interface_ids.at("shaft")), 5., 1e-9);    // the length of the pile
+      EXPECT_NEAR(measures.at(mesh.interface_ids.at("base")), 0.125, 1e-12); // its radius
+      EXPECT_FALSE(mesh.boundary_ids.contains("shaft"));
+      EXPECT_NEAR(compute_boundary_measure(mesh, "head"), 0.125, 1e-12);
+      EXPECT_EQ(mesh.region_ids.size(), 3u);
+      EXPECT_EQ(mesh.region_ids.at("pile"), 1u);
+    }
+}
