@@ -12,6 +12,10 @@ namespace fem
 
   namespace
   {
+    // Followers have equations of their own, scaled so that where absent cells lie never counts among forces: a pile is
+    // some thousand times as stiff as ground, and the norm of the residual is one number.
+    constexpr double follower_scale = 1e-8;
+
     /**
      * Change of the internal force density at a velocity gradient L [Pa]:
      *
@@ -92,6 +96,7 @@ namespace fem
           PointSite site;
           site.id = cell->global_active_cell_index() * quadrature_.size() + q;
           site.position = dealii::Point<3>(embed<dim>(values.quadrature_point(q)));
+          site.region = cell->material_id();
           sites.push_back(site);
         }
     });
@@ -119,10 +124,9 @@ namespace fem
   }
 
   template <int dim>
-  void Assembly<dim>::assemble_forces(const std::vector<Tensor<2, 3>> &deformations,
-                                      const std::vector<PointResponse> &responses, Vector &forces) const
+  void Assembly<dim>::for_each_force(const std::vector<Tensor<2, 3>> &deformations,
+                                     const std::vector<PointResponse> &responses, const VisitForces &visit) const
   {
-    forces = 0.;
     std::vector<Tensor<2, 3>> shapes;
     std::vector<dealii::types::global_dof_index> dofs(dof_handler_.get_fe().n_dofs_per_cell());
     for_each_cell([&](const Cell &cell, const dealii::FEValues<dim> &values, std::size_t first_point) {
@@ -137,8 +141,20 @@ namespace fem
           for (unsigned int i = 0; i < dofs.size(); ++i)
             cell_forces[i] += volume * dealii::scalar_product(shapes[i], stress);
         }
-      forces.add(dofs, cell_forces);
+      if (is_absent(cell->material_id()))
+        for (unsigned int i = 0; i < dofs.size(); ++i)
+          cell_forces[i] *= compute_row_share(dofs[i]);
+      visit(cell, dofs, cell_forces);
     });
+  }
+
+  template <int dim>
+  void Assembly<dim>::assemble_forces(const std::vector<Tensor<2, 3>> &deformations,
+                                      const std::vector<PointResponse> &responses, Vector &forces) const
+  {
+    forces = 0.;
+    for_each_force(deformations, responses,
+                   [&](const Cell &, const auto &dofs, const auto &cell_forces) { forces.add(dofs, cell_forces); });
     forces.compress(dealii::VectorOperation::add);
   }
 
@@ -172,11 +188,77 @@ namespace fem
                 cell_matrix(i, j) += dealii::scalar_product(shapes[i], change);
             }
         }
+      if (is_absent(cell->material_id()))
+        for (unsigned int i = 0; i < n_dofs; ++i)
+          for (unsigned int j = 0; j < n_dofs; ++j)
+            cell_matrix(i, j) *= compute_row_share(dofs[i]);
       stiffness.add(dofs, cell_matrix);
       constraints.distribute_local_to_global(cell_matrix, dofs, constrained);
     });
     stiffness.compress(dealii::VectorOperation::add);
     constrained.compress(dealii::VectorOperation::add);
+  }
+
+  template <int dim>
+  void Assembly<dim>::set_absent(const std::set<dealii::types::material_id> &regions)
+  {
+    absent_ = regions;
+    followers_.clear();
+    if (regions.empty())
+      return;
+    // Counted over all ranks: a neighbour's cell may keep an unknown of this one's absent cell in the problem.
+    const dealii::IndexSet &owned = dof_handler_.locally_owned_dofs();
+    dealii::IndexSet relevant;
+    dealii::DoFTools::extract_locally_relevant_dofs(dof_handler_, relevant);
+    Vector n_present(owned, dof_handler_.get_communicator());
+    std::vector<dealii::types::global_dof_index> dofs(dof_handler_.get_fe().n_dofs_per_cell());
+    for (const auto &cell : dof_handler_.active_cell_iterators())
+      if (cell->is_locally_owned() && !is_absent(cell->material_id()))
+        {
+          cell->get_dof_indices(dofs);
+          n_present.add(dofs, std::vector<double>(dofs.size(), 1.));
+        }
+    n_present.compress(dealii::VectorOperation::add);
+    Vector known(owned, relevant, dof_handler_.get_communicator());
+    known = n_present;
+    followers_.assign(dof_handler_.n_dofs(), false);
+    for (const auto dof : relevant)
+      followers_[dof] = static_cast<double>(known(dof)) == 0.;
+  }
+
+  // An absent cell's rows: none for what it shares with present cells, so that it pulls at nothing; small ones for the
+  // rest, which then solves for the motion that the shared unknowns impose.
+  template <int dim>
+  double Assembly<dim>::compute_row_share(dealii::types::global_dof_index dof) const
+  {
+    return is_follower(dof) ? follower_scale : 0.;
+  }
+
+  template <int dim>
+  void Assembly<dim>::for_each_weight(double unit_weight, const VisitForces &visit) const
+  {
+    std::vector<dealii::types::global_dof_index> dofs(dof_handler_.get_fe().n_dofs_per_cell());
+    for_each_cell([&](const Cell &cell, const dealii::FEValues<dim> &values, std::size_t) {
+      if (is_absent(cell->material_id()))
+        return;
+      cell->get_dof_indices(dofs);
+      std::vector<double> cell_forces(dofs.size(), 0.);
+      for (const unsigned int q : values.quadrature_point_indices())
+        for (unsigned int i = 0; i < dofs.size(); ++i)
+          if (get_axis<dim>(dof_handler_.get_fe().system_to_component_index(i).first) == 2)
+            cell_forces[i] -= unit_weight * values.JxW(q) * compute_depth(geometry_, values.quadrature_point(q)[0]) *
+                              values.shape_value(i, q);
+      visit(cell, dofs, cell_forces);
+    });
+  }
+
+  template <int dim>
+  void Assembly<dim>::assemble_weight(double unit_weight, Vector &forces) const
+  {
+    forces = 0.;
+    for_each_weight(unit_weight,
+                    [&](const Cell &, const auto &dofs, const auto &cell_forces) { forces.add(dofs, cell_forces); });
+    forces.compress(dealii::VectorOperation::add);
   }
 
   template <int dim>

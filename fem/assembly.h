@@ -10,6 +10,9 @@
 #include <deal.II/fe/fe_values.h>
 #include <deal.II/lac/affine_constraints.h>
 
+#include <functional>
+#include <set>
+
 namespace fem
 {
   /**
@@ -18,6 +21,9 @@ namespace fem
    * Shape gradients are taken in the initial configuration and pulled to the current one by F^-1, so the mesh itself
    * never moves. Everything is three-dimensional; the geometry enters in embed_gradient() and compute_depth() alone.
    * Gauss points count cell by cell, as PointId does.
+   *
+   * Regions may be absent: their cells pass no force to the others. What belongs to absent cells alone follows the
+   * motion of the rest like an elastic body without weight, so that these cells are ready to enter undistorted.
    */
   template <int dim>
   class Assembly
@@ -27,6 +33,18 @@ namespace fem
              Kinematics kinematics);
 
     unsigned int get_n_points_per_cell() const { return quadrature_.size(); }
+
+    /** Says which regions are absent from now on. Collective. */
+    void set_absent(const std::set<dealii::types::material_id> &regions);
+
+    bool is_absent(dealii::types::material_id region) const { return absent_.contains(region); }
+
+    /** True for an unknown that belongs to absent cells alone. */
+    bool is_follower(dealii::types::global_dof_index dof) const { return !followers_.empty() && followers_[dof]; }
+
+    /** Nodal forces [N] of the weight of the cells that are present, downwards along z. A cell's weight is that of its
+     *  initial volume: mass stays. @param unit_weight  [N/m^3], of the initial configuration */
+    void assemble_weight(double unit_weight, Vector &forces) const;
 
     /** Sites of this rank's Gauss points, initial stress left zero. */
     std::vector<PointSite> compute_sites() const;
@@ -40,6 +58,17 @@ namespace fem
     void assemble_forces(const std::vector<dealii::Tensor<2, 3>> &deformations,
                          const std::vector<PointResponse> &responses, Vector &forces) const;
 
+    using Cell = typename dealii::DoFHandler<dim>::active_cell_iterator;
+    using VisitForces = std::function<void(const Cell &, const std::vector<dealii::types::global_dof_index> &,
+                                           const std::vector<double> &forces)>;
+
+    /** Internal nodal forces [N] of one cell of this rank after the other. */
+    void for_each_force(const std::vector<dealii::Tensor<2, 3>> &deformations,
+                        const std::vector<PointResponse> &responses, const VisitForces &visit) const;
+
+    /** Weight [N] of one cell of this rank after the other, as nodal forces. */
+    void for_each_weight(double unit_weight, const VisitForces &visit) const;
+
     /** Tangent of the internal forces [N/m], geometric part included: docs in assembly.cc.
      *  @param constrained  the same with the constrained unknowns eliminated */
     void assemble_stiffness(const std::vector<dealii::Tensor<2, 3>> &deformations,
@@ -51,14 +80,15 @@ namespace fem
     std::pair<double, dealii::Tensor<1, 3>> compute_volume() const;
 
   private:
-    using Cell = typename dealii::DoFHandler<dim>::active_cell_iterator;
-
     /** Shape gradients of all unknowns of a cell at a point, pulled to the configuration of F. */
     void compute_shape_gradients(const dealii::FEValues<dim> &values, unsigned int point,
                                  const dealii::Tensor<2, 3> &deformation,
                                  std::vector<dealii::Tensor<2, 3>> &gradients) const;
     double compute_volume_element(const dealii::FEValues<dim> &values, unsigned int point,
                                   const dealii::Tensor<2, 3> &deformation) const;
+
+    /** Share of an absent cell's force or stiffness that a row gets: see assembly.cc. */
+    double compute_row_share(dealii::types::global_dof_index dof) const;
 
     template <class Work>
     void for_each_cell(const Work &work) const;
@@ -68,5 +98,7 @@ namespace fem
     Geometry geometry_;
     Kinematics kinematics_;
     dealii::QGauss<dim> quadrature_;
+    std::set<dealii::types::material_id> absent_;
+    std::vector<bool> followers_; ///< of all unknowns; empty: none
   };
 } // namespace fem

@@ -1,5 +1,6 @@
 #include "fem/boundary_conditions.h"
 
+#include "fem/interface_forces.h"
 #include "fem/rigid_motions.h"
 
 #include <deal.II/base/quadrature_lib.h>
@@ -9,6 +10,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <numeric>
 #include <stdexcept>
 
@@ -26,27 +28,31 @@ namespace fem
       return text;
     }
 
-    /** Visits the Gauss points of a named boundary on this rank with total deformation F and initial area element
-     * [m^2].
-     */
+    /** Visits the Gauss points of a named boundary on this rank; those of an interface from both sides. */
     template <int dim, class Work>
     void for_each_face_point(const dealii::DoFHandler<dim> &dof_handler, const dealii::Mapping<dim> &mapping,
-                             dealii::types::boundary_id id, const Work &work)
+                             const BoundaryNames &names, const std::string &name, const Work &work)
     {
+      const auto inside = names.interfaces.find(name);
+      const bool is_inside = inside != names.interfaces.end();
+      const auto is_meant = [&](const auto &face) {
+        return is_inside ? !face->at_boundary() && face->manifold_id() == inside->second
+                         : face->at_boundary() && face->boundary_id() == names.boundaries.at(name);
+      };
       dealii::FEFaceValues<dim> values(
           mapping, dof_handler.get_fe(), dealii::QGauss<dim - 1>(dof_handler.get_fe().degree + 1),
           dealii::update_values | dealii::update_gradients | dealii::update_quadrature_points |
               dealii::update_JxW_values | dealii::update_normal_vectors);
       std::vector<dealii::types::global_dof_index> dofs(dof_handler.get_fe().n_dofs_per_cell());
       for (const auto &cell : dof_handler.active_cell_iterators())
-        if (cell->is_locally_owned() && cell->at_boundary())
+        if (cell->is_locally_owned() && (is_inside || cell->at_boundary()))
           for (const unsigned int f : cell->face_indices())
-            if (cell->face(f)->at_boundary() && cell->face(f)->boundary_id() == id)
+            if (is_meant(cell->face(f)))
               {
                 values.reinit(cell, f);
                 cell->get_dof_indices(dofs);
                 for (const unsigned int q : values.quadrature_point_indices())
-                  work(values, q, dofs);
+                  work(cell, values, q, dofs);
               }
     }
 
@@ -68,12 +74,21 @@ namespace fem
   template <int dim>
   BoundaryConditions<dim>::BoundaryConditions(const dealii::DoFHandler<dim> &dof_handler,
                                               const dealii::Mapping<dim> &mapping, Geometry geometry,
-                                              const std::map<std::string, dealii::types::boundary_id> &boundary_ids,
-                                              std::vector<BoundaryCondition> conditions)
-      : dof_handler_(dof_handler), mapping_(mapping), geometry_(geometry), boundary_ids_(boundary_ids),
+                                              const BoundaryNames &names, std::vector<BoundaryCondition> conditions)
+      : dof_handler_(dof_handler), mapping_(mapping), geometry_(geometry), names_(names),
         conditions_(std::move(conditions))
   {
     check_conditions();
+    std::vector<bool> is_held;
+    for (const BoundaryCondition &condition : conditions_)
+      is_held.push_back(condition.is_held);
+    set_held(is_held);
+  }
+
+  template <int dim>
+  void BoundaryConditions<dim>::set_held(const std::vector<bool> &is_held)
+  {
+    is_held_ = is_held;
     collect_prescribed();
     check_rigid_motions();
   }
@@ -96,11 +111,17 @@ namespace fem
   void BoundaryConditions<dim>::check_conditions()
   {
     std::vector<std::string> known;
-    for (const auto &[name, id] : boundary_ids_)
+    for (const auto &[name, id] : names_.boundaries)
+      known.push_back(name);
+    for (const auto &[name, id] : names_.interfaces)
       known.push_back(name);
     for (const BoundaryCondition &condition : conditions_)
       {
-        if (!boundary_ids_.count(condition.boundary))
+        if (names_.interfaces.contains(condition.boundary) && condition.kind != ConditionKind::displacement)
+          throw std::invalid_argument(fmt::format("boundary condition on '{}': it lies inside the mesh: allowed: a "
+                                                  "displacement",
+                                                  condition.boundary));
+        if (!names_.boundaries.contains(condition.boundary) && !names_.interfaces.contains(condition.boundary))
           throw std::invalid_argument(
               fmt::format("boundary condition: no boundary '{}'; known: {}", condition.boundary, join(known)));
         components_.push_back(condition.kind == ConditionKind::pressure ? 0 : find_component(condition));
@@ -120,24 +141,40 @@ namespace fem
     return found - names.begin();
   }
 
+  // The unknowns of this rank's cells that a displacement condition prescribes.
+  template <int dim>
+  dealii::IndexSet BoundaryConditions<dim>::extract_dofs(unsigned int index) const
+  {
+    const std::string &name = conditions_[index].boundary;
+    dealii::ComponentMask mask(dim, false);
+    mask.set(components_[index], true);
+    const auto inside = names_.interfaces.find(name);
+    if (inside == names_.interfaces.end())
+      return dealii::DoFTools::extract_boundary_dofs(dof_handler_, mask, {names_.boundaries.at(name)});
+    dealii::IndexSet dofs(dof_handler_.n_dofs());
+    for (const auto dof : collect_interface_dofs(dof_handler_, inside->second, mask))
+      dofs.add_index(dof);
+    return dofs;
+  }
+
   template <int dim>
   void BoundaryConditions<dim>::collect_prescribed()
   {
     const dealii::IndexSet &owned = dof_handler_.locally_owned_dofs();
     dealii::IndexSet relevant;
     dealii::DoFTools::extract_locally_relevant_dofs(dof_handler_, relevant);
+    constraints_.clear();
     constraints_.reinit(relevant);
+    prescribed_.clear();
+    prescribed_dofs_.clear();
 
     std::map<dealii::types::global_dof_index, dealii::Point<dim>> positions;
     dealii::DoFTools::map_dofs_to_support_points(mapping_, dof_handler_, positions);
     std::map<dealii::types::global_dof_index, PrescribedUnknown> prescribed;
     for (unsigned int i = 0; i < conditions_.size(); ++i)
-      if (conditions_[i].kind == ConditionKind::displacement)
+      if (conditions_[i].kind == ConditionKind::displacement && is_held_[i])
         {
-          dealii::ComponentMask mask(dim, false);
-          mask.set(components_[i], true);
-          const dealii::IndexSet dofs =
-              dealii::DoFTools::extract_boundary_dofs(dof_handler_, mask, {boundary_ids_.at(conditions_[i].boundary)});
+          const dealii::IndexSet dofs = extract_dofs(i);
           for (const auto dof : dofs)
             {
               if (!relevant.is_element(dof))
@@ -186,12 +223,14 @@ namespace fem
 
   // A traction keeps its direction, a pressure follows the normal. Nanson: n da = det F F^-T N dA.
   template <int dim>
-  void BoundaryConditions<dim>::add_condition_forces(unsigned int index, double value,
-                                                     const Vector *ghosted_displacement, const AddForce &add) const
+  void BoundaryConditions<dim>::visit_condition_forces(unsigned int index, double value,
+                                                       const Vector *ghosted_displacement,
+                                                       const VisitForces &visit) const
   {
     const BoundaryCondition &condition = conditions_[index];
     const bool is_current = ghosted_displacement != nullptr && condition.area == AreaMeasure::current;
-    const auto add_point = [&](const dealii::FEFaceValues<dim> &values, unsigned int q, const auto &dofs) {
+    const auto visit_point = [&](const auto &cell, const dealii::FEFaceValues<dim> &values, unsigned int q,
+                                 const auto &dofs) {
       Tensor<1, 3> area = values.JxW(q) * compute_depth(geometry_, values.quadrature_point(q)[0]) *
                           embed<dim>(Tensor<1, dim>(values.normal_vector(q)));
       if (is_current)
@@ -205,13 +244,13 @@ namespace fem
           force = 0.;
           force[get_axis<dim>(components_[index])] = value * area.norm();
         }
+      std::vector<double> forces;
       for (unsigned int i = 0; i < dofs.size(); ++i)
-        {
-          const unsigned int component = values.get_fe().system_to_component_index(i).first;
-          add(dofs[i], component, values.shape_value(i, q) * force[get_axis<dim>(component)]);
-        }
+        forces.push_back(values.shape_value(i, q) *
+                         force[get_axis<dim>(values.get_fe().system_to_component_index(i).first)]);
+      visit(cell, dofs, forces);
     };
-    for_each_face_point(dof_handler_, mapping_, boundary_ids_.at(condition.boundary), add_point);
+    for_each_face_point(dof_handler_, mapping_, names_, condition.boundary, visit_point);
   }
 
   template <int dim>
@@ -219,13 +258,20 @@ namespace fem
                                                          const Vector *ghosted_displacement, Vector &forces) const
   {
     forces = 0.;
+    for_each_external_force(
+        values, ghosted_displacement,
+        [&](const auto &, const auto &dofs, const auto &nodal_forces) { forces.add(dofs, nodal_forces); });
+    forces.compress(dealii::VectorOperation::add);
+  }
+
+  template <int dim>
+  void BoundaryConditions<dim>::for_each_external_force(const std::vector<double> &values,
+                                                        const Vector *ghosted_displacement,
+                                                        const VisitForces &visit) const
+  {
     for (unsigned int i = 0; i < conditions_.size(); ++i)
       if (conditions_[i].kind != ConditionKind::displacement)
-        add_condition_forces(i, values[i], ghosted_displacement,
-                             [&](dealii::types::global_dof_index dof, unsigned int, double force) {
-                               forces.add({dof}, std::vector<double>{force});
-                             });
-    forces.compress(dealii::VectorOperation::add);
+        visit_condition_forces(i, values[i], ghosted_displacement, visit);
   }
 
   template <int dim>
@@ -234,14 +280,15 @@ namespace fem
   {
     double area = 0.;
     Tensor<1, 3> moment;
-    const auto add_point = [&](const dealii::FEFaceValues<dim> &values, unsigned int q, const auto &dofs) {
+    const auto add_point = [&](const auto &, const dealii::FEFaceValues<dim> &values, unsigned int q,
+                               const auto &dofs) {
       const double part = values.JxW(q) * compute_depth(geometry_, values.quadrature_point(q)[0]);
       area += part;
       for (unsigned int i = 0; i < dofs.size(); ++i)
         moment[get_axis<dim>(values.get_fe().system_to_component_index(i).first)] +=
             part * values.shape_value(i, q) * ghosted_displacement(dofs[i]);
     };
-    for_each_face_point(dof_handler_, mapping_, boundary_ids_.at(boundary), add_point);
+    for_each_face_point(dof_handler_, mapping_, names_, boundary, add_point);
     const MPI_Comm communicator = dof_handler_.get_communicator();
     area = dealii::Utilities::MPI::sum(area, communicator);
     moment = dealii::Utilities::MPI::sum(moment, communicator);
@@ -257,18 +304,26 @@ namespace fem
     std::map<std::string, Tensor<1, 3>> forces;
     for (unsigned int i = 0; i < conditions_.size(); ++i)
       if (conditions_[i].kind != ConditionKind::displacement)
-        add_condition_forces(i, values[i], finite ? &ghosted_displacement : nullptr,
-                             [&](dealii::types::global_dof_index, unsigned int component, double force) {
-                               forces[conditions_[i].boundary][get_axis<dim>(component)] += force;
-                             });
+        visit_condition_forces(i, values[i], finite ? &ghosted_displacement : nullptr,
+                               [&](const auto &, const auto &dofs, const auto &nodal_forces) {
+                                 for (std::size_t j = 0; j < dofs.size(); ++j)
+                                   forces[conditions_[i].boundary]
+                                         [get_axis<dim>(dof_handler_.get_fe().system_to_component_index(j).first)] +=
+                                       nodal_forces[j];
+                               });
     for (const PrescribedUnknown &entry : prescribed_)
       for (const unsigned int i : entry.conditions)
         forces[conditions_[i].boundary][entry.axis] += reactions(entry.dof) / entry.conditions.size();
 
     std::vector<BoundaryResponse> responses;
-    for (const auto &[name, id] : boundary_ids_)
+    for (const auto &[name, id] : names_.boundaries)
       responses.push_back({name, dealii::Utilities::MPI::sum(forces[name], dof_handler_.get_communicator()),
                            compute_average_displacement(name, ghosted_displacement)});
+    Tensor<1, 3> unknown;
+    for (int axis = 0; axis < 3; ++axis)
+      unknown[axis] = std::numeric_limits<double>::quiet_NaN();
+    for (const auto &[name, id] : names_.interfaces)
+      responses.push_back({name, unknown, compute_average_displacement(name, ghosted_displacement)});
     return responses;
   }
 

@@ -28,7 +28,8 @@ namespace fem
     initial
   };
 
-  /** A condition on a named boundary; it holds for the whole run, its value changes with the stages. */
+  /** A condition on a named boundary; its value changes with the stages. It holds for the whole run unless a stage lets
+   * it go or begins to hold it. A displacement may also be that of named faces inside the mesh. */
   struct BoundaryCondition
   {
     std::string boundary;
@@ -39,6 +40,15 @@ namespace fem
 
     /** Displacement [m] at an initial position [m] for a value of the condition; empty: the value itself. */
     std::function<double(const dealii::Point<3> &position, double value)> profile = {};
+
+    bool is_held = true; ///< a displacement: before the first stage
+  };
+
+  /** What boundaries are called, and faces inside the mesh. */
+  struct BoundaryNames
+  {
+    std::map<std::string, dealii::types::boundary_id> boundaries;
+    std::map<std::string, dealii::types::manifold_id> interfaces;
   };
 
   /** What a named boundary feels: force on the body [N] (over 2 pi in axisymmetry; per metre in plane strain), in space
@@ -59,8 +69,12 @@ namespace fem
      *  motion of the body is left free. Where two conditions prescribe the
      *  same unknown, the first one listed holds. */
     BoundaryConditions(const dealii::DoFHandler<dim> &dof_handler, const dealii::Mapping<dim> &mapping,
-                       Geometry geometry, const std::map<std::string, dealii::types::boundary_id> &boundary_ids,
-                       std::vector<BoundaryCondition> conditions);
+                       Geometry geometry, const BoundaryNames &names, std::vector<BoundaryCondition> conditions);
+
+    /** Says which displacements are prescribed from now on, one a condition. Throws as the constructor. */
+    void set_held(const std::vector<bool> &is_held);
+
+    const std::vector<bool> &get_held() const { return is_held_; }
 
     /** Zero displacement of all prescribed unknowns: the constraints on corrections. */
     const dealii::AffineConstraints<double> &get_constraints() const { return constraints_; }
@@ -81,7 +95,15 @@ namespace fem
     void assemble_external_forces(const std::vector<double> &values, const Vector *ghosted_displacement,
                                   Vector &forces) const;
 
-    /** Forces and displacements of all named boundaries; collective.
+    using VisitForces =
+        std::function<void(const typename dealii::DoFHandler<dim>::active_cell_iterator &,
+                           const std::vector<dealii::types::global_dof_index> &, const std::vector<double> &forces)>;
+
+    /** The same one Gauss point of a face after the other, on the unknowns of its cell. */
+    void for_each_external_force(const std::vector<double> &values, const Vector *ghosted_displacement,
+                                 const VisitForces &visit) const;
+
+    /** Forces and displacements of all named boundaries, then of all interfaces, whose forces are left NaN; collective.
      *  @param values     of the conditions, for their tractions
      *  @param reactions  internal minus external nodal forces [N]; of an unknown that several boundaries prescribe each
      *                    gets an equal share
@@ -101,20 +123,20 @@ namespace fem
 
     void check_conditions();
     void collect_prescribed();
+    dealii::IndexSet extract_dofs(unsigned int condition) const;
     void check_rigid_motions() const;
     unsigned int find_component(const BoundaryCondition &condition) const;
 
-    /** Calls add(unknown, mesh component, nodal force [N]) for a traction or pressure. */
-    using AddForce = std::function<void(dealii::types::global_dof_index, unsigned int, double)>;
-    void add_condition_forces(unsigned int condition, double value, const Vector *ghosted_displacement,
-                              const AddForce &add) const;
+    void visit_condition_forces(unsigned int condition, double value, const Vector *ghosted_displacement,
+                                const VisitForces &visit) const;
     dealii::Tensor<1, 3> compute_average_displacement(const std::string &boundary,
                                                       const Vector &ghosted_displacement) const;
 
     const dealii::DoFHandler<dim> &dof_handler_;
     const dealii::Mapping<dim> &mapping_;
     Geometry geometry_;
-    std::map<std::string, dealii::types::boundary_id> boundary_ids_;
+    BoundaryNames names_;
+    std::vector<bool> is_held_; ///< one a condition
     std::vector<BoundaryCondition> conditions_;
     std::vector<unsigned int> components_;      ///< mesh component of each condition
     std::vector<PrescribedUnknown> prescribed_; ///< owned ones

@@ -121,7 +121,8 @@ namespace fem
       const std::size_t n_owned = expected.displacement.size();
       if (found.displacement.size() != n_owned || found.stress.size() != expected.stress.size() ||
           found.deformation.size() != expected.deformation.size() ||
-          (n_owned > 0 && found.secants.size() % (2 * n_owned) != 0))
+          (n_owned > 0 && found.secants.size() % (2 * n_owned) != 0) ||
+          (!found.carried.empty() && found.carried.size() != n_owned) || found.offsets.size() != found.carried.size())
         throw std::runtime_error(
             fmt::format("{}: dataset {}displacement: parts of the ranks differ from this run's", file, group));
     }
@@ -136,7 +137,9 @@ namespace fem
           {"displacement", gather(communicator, state.displacement), "m"},
           {"deformation", gather(communicator, state.deformation), "1"},
           {"stress", gather(communicator, state.stress), "Pa"},
-          {"secants", gather(communicator, state.secants), "m, N"}};
+          {"secants", gather(communicator, state.secants), "m, N"},
+          {"carried", gather(communicator, state.carried), "N"},
+          {"offsets", gather(communicator, state.offsets), "m"}};
       do_on_first_rank([&]() {
         Hdf5File archive(file, Hdf5File::Mode::create);
         archive.write(group + "format_version", {format_version}, "1");
@@ -196,6 +199,11 @@ namespace fem
       state.deformation = read_part(archive, "deformation", communicator);
       state.stress = read_part(archive, "stress", communicator);
       state.secants = read_part(archive, "secants", communicator);
+      if (archive.has(group + "carried")) // files of before there were phases have none
+        {
+          state.carried = read_part(archive, "carried", communicator);
+          state.offsets = read_part(archive, "offsets", communicator);
+        }
       state.values = archive.read(group + "values", n_conditions);
       check_lengths<dim>(file, state, problem.get_state());
       problem.set_state(state);

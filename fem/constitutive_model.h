@@ -3,9 +3,11 @@
 #include <deal.II/base/point.h>
 #include <deal.II/base/symmetric_tensor.h>
 #include <deal.II/base/tensor.h>
+#include <deal.II/base/types.h>
 
 #include <limits>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -29,6 +31,7 @@ namespace fem
     PointId id;
     dealii::Point<3> position;                    ///< [m]; axisymmetric: (r, z) stored as (x, 0, z)
     dealii::SymmetricTensor<2, 3> initial_stress; ///< [Pa], tension-positive
+    dealii::types::material_id region = 0;        ///< what the mesh calls the cell's material
   };
 
   /** What the solver asks of one point. Always three-dimensional; z is axial, x radial and y hoop in axisymmetry. */
@@ -98,6 +101,10 @@ namespace fem
 
     /** Baseline and trial are dropped: back to the committed state. */
     virtual void revert() = 0;
+
+    /** Points that enter the problem now: stress-free and unstrained in their present position, in all three states.
+     *  Throws std::logic_error for a material that cannot. */
+    virtual void restart(std::span<const PointId>) { throw std::logic_error("this material cannot begin anew"); }
 
     /** Scalar fields of a point for output, names with units such as "void ratio [-]". */
     virtual std::vector<std::string> get_field_names() const { return {}; }

@@ -124,6 +124,12 @@ namespace fem
     end_time();
   }
 
+  void CorotationalMaterial::restart(std::span<const PointId> ids)
+  {
+    for (const PointId id : ids)
+      points_.at(id) = {};
+  }
+
   void CorotationalMaterial::save(const std::string &file) const
   {
     std::vector<double> ids, states;
@@ -144,16 +150,16 @@ namespace fem
         states.insert(states.end(), all_states[rank].begin(), all_states[rank].end());
       }
     Hdf5File archive(file, Hdf5File::Mode::append);
-    archive.write("/material/point_ids", ids, "1");
-    archive.write("/material/corotational_states", states, "1, Pa, 1");
+    archive.write(archive_group_ + "/point_ids", ids, "1");
+    archive.write(archive_group_ + "/corotational_states", states, "1, Pa, 1");
     archive.close();
   }
 
   void CorotationalMaterial::load(const std::string &file)
   {
     const Hdf5File archive(file, Hdf5File::Mode::read);
-    const std::vector<double> ids = archive.read("/material/point_ids");
-    const std::vector<double> states = archive.read("/material/corotational_states", n_numbers * ids.size());
+    const std::vector<double> ids = archive.read(archive_group_ + "/point_ids");
+    const std::vector<double> states = archive.read(archive_group_ + "/corotational_states", n_numbers * ids.size());
     std::size_t n_found = 0;
     for (std::size_t i = 0; i < ids.size(); ++i)
       {
@@ -164,8 +170,8 @@ namespace fem
         ++n_found;
       }
     if (n_found != points_.size())
-      throw std::runtime_error(fmt::format("{}: /material/point_ids holds {} of this problem's {} Gauss points", file,
-                                           n_found, points_.size()));
+      throw std::runtime_error(fmt::format("{}: {}/point_ids holds {} of this problem's {} Gauss points", file,
+                                           archive_group_, n_found, points_.size()));
     revert();
   }
 } // namespace fem

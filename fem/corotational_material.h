@@ -49,6 +49,10 @@ namespace fem
     void revert() override;
     void save(const std::string &file) const override;
     void load(const std::string &file) override;
+    void restart(std::span<const PointId> ids) override;
+
+    /** Where save() and load() keep the states: "/material" unless several such materials share a file. */
+    void set_archive_group(const std::string &group) { archive_group_ = group; }
 
   protected:
     /** Answer to a strain increment [-] since the baseline, in the material's axes. */
@@ -70,5 +74,6 @@ namespace fem
     std::map<PointId, Point> points_;
     Kinematics kinematics_;
     MPI_Comm communicator_;
+    std::string archive_group_ = "/material";
   };
 } // namespace fem

@@ -112,6 +112,11 @@ namespace fem
     return values;
   }
 
+  bool Hdf5File::has(const std::string &name) const
+  {
+    return H5Lexists(handle_, name.c_str(), H5P_DEFAULT) > 0;
+  }
+
   std::vector<double> Hdf5File::read(const std::string &name, std::size_t length) const
   {
     std::vector<double> values = read(name);

@@ -32,6 +32,9 @@ namespace fem
 
     std::vector<double> read(const std::string &name) const;
 
+    /** True if there is a dataset of this path, all of whose groups exist. */
+    bool has(const std::string &name) const;
+
     /** As read(); another length than the expected one is an error. */
     std::vector<double> read(const std::string &name, std::size_t length) const;
 

@@ -21,7 +21,8 @@ namespace fem
   LoadStepping<dim>::LoadStepping(QuasiStaticProblem<dim> &problem, const std::vector<Stage> &stages,
                                   const SteppingParameters &parameters, StepObserver observer)
       : problem_(problem), material_(problem.get_material()), stages_(stages),
-        end_values_(resolve_targets(problem.get_conditions(), stages)), parameters_(parameters),
+        end_values_(resolve_targets(problem.get_conditions(), stages)), initial_phase_(problem.get_phase()),
+        phases_(resolve_phases(problem.get_conditions(), stages, initial_phase_)), parameters_(parameters),
         observer_(std::move(observer))
   {
     check_parameters(parameters_);
@@ -46,6 +47,8 @@ namespace fem
   {
     if (progress_.n_idle_steps > parameters_.max_idle_steps)
       return StepStatus::no_progress;
+    if (const StepStatus status = begin_stage(); status != StepStatus::ok)
+      return status;
     while (true)
       {
         const Step step = propose_step();
@@ -64,6 +67,26 @@ namespace fem
       }
   }
 
+  // A stage that changes nothing leaves the problem as it is.
+  template <int dim>
+  StepStatus LoadStepping<dim>::begin_stage()
+  {
+    if (has_begun_)
+      return StepStatus::ok;
+    has_begun_ = true;
+    const unsigned int stage = progress_.stage;
+    problem_.set_phase(get_phase_before(stage));
+    return phases_[stage] == get_phase_before(stage) ? StepStatus::ok : translate(problem_.begin_phase(phases_[stage]));
+  }
+
+  template <int dim>
+  void LoadStepping<dim>::set_progress(const Progress &progress)
+  {
+    progress_ = progress;
+    has_begun_ = progress_.position > 0.; // a changing stage has no duration: its first step moves it on
+    problem_.set_phase(has_begun_ ? phases_[progress_.stage] : get_phase_before(progress_.stage));
+  }
+
   // Age, find the equilibrium, and as long as it breaks grains settle and find the next one: an avalanche is a sequence
   // of equilibria at one load.
   template <int dim>
@@ -71,6 +94,7 @@ namespace fem
   {
     Outcome outcome;
     StepReport &report = outcome.report;
+    problem_.set_carried_share(step.carried_share);
     outcome.status = translate(material_.begin_step(step.advance.dt));
     for (bool is_first = true; outcome.status == StepStatus::ok; is_first = false)
       {
@@ -123,6 +147,8 @@ namespace fem
     for (std::size_t i = 0; i < progress_.stage_values.size(); ++i)
       step.values.push_back(interpolate(stage, progress_.stage_values[i], end_values_[progress_.stage][i],
                                         advance.end_position / compute_stage_length(stage)));
+    if (phases_[progress_.stage] != get_phase_before(progress_.stage))
+      step.carried_share = 1. - advance.end_position / compute_stage_length(stage);
     return step;
   }
 
@@ -139,6 +165,7 @@ namespace fem
     report.stage_name = stage.name;
     report.n_cuts = progress_.n_cuts;
     update_progress(stage, end_values_[progress_.stage], step.advance, progress_);
+    has_begun_ &= progress_.stage == report.stage;
     report.step = progress_.step;
     report.time = progress_.time;
     if (observer_.on_commit)

@@ -43,7 +43,7 @@ namespace fem
     const Progress &get_progress() const { return progress_; }
 
     /** Continues from a checkpoint: problem and material must be at the same state. */
-    void set_progress(const Progress &progress) { progress_ = progress; }
+    void set_progress(const Progress &progress);
 
   private:
     /** A step to try, from the committed position. */
@@ -53,6 +53,7 @@ namespace fem
       std::vector<double> values;    ///< of the conditions at its end
       bool is_event_limited = false; ///< it ends at the material's next event
       bool accept_excess = false;    ///< it cannot be cut further
+      double carried_share = 0.;     ///< of what the stage's beginning has set free
     };
 
     /** What a tried step came to. */
@@ -62,6 +63,8 @@ namespace fem
       StepReport report;
     };
 
+    StepStatus begin_stage();
+    const Phase &get_phase_before(unsigned int stage) const { return stage > 0 ? phases_[stage - 1] : initial_phase_; }
     Step propose_step() const;
     Outcome try_step(const Step &step);
     void commit(const Step &step, StepReport &report);
@@ -75,6 +78,9 @@ namespace fem
     ConstitutiveModel &material_;
     std::vector<Stage> stages_;
     std::vector<std::vector<double>> end_values_; ///< of each stage, one a condition
+    Phase initial_phase_;
+    std::vector<Phase> phases_; ///< of each stage
+    bool has_begun_ = false;    ///< the stage
     SteppingParameters parameters_;
     StepObserver observer_;
     Progress progress_;

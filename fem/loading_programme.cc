@@ -27,9 +27,13 @@ namespace fem
 
     double compute_next_output(const Stage &stage, double position)
     {
-      return stage.outputs_per_decade > 0.
-                 ? compute_next_in_decades(stage.first_output, stage.outputs_per_decade, position)
-                 : std::numeric_limits<double>::infinity();
+      double next = stage.outputs_per_decade > 0.
+                        ? compute_next_in_decades(stage.first_output, stage.outputs_per_decade, position)
+                        : std::numeric_limits<double>::infinity();
+      for (const double output : stage.more_outputs)
+        if (output > position * (1. + same))
+          next = std::min(next, output);
+      return next;
     }
 
     [[noreturn]] void refuse(const Stage &stage, const std::string &name, double value, const std::string &range)
@@ -58,6 +62,11 @@ namespace fem
             fmt::format("stage '{}': a creep stage holds all conditions, but has targets", stage.name));
     }
 
+    bool is_changing(const Stage &stage)
+    {
+      return stage.places_pile || !stage.releases.empty() || !stage.holds.empty();
+    }
+
     std::string describe(const BoundaryCondition &condition)
     {
       const char *kinds[] = {"displacement", "traction", "pressure"};
@@ -80,7 +89,42 @@ namespace fem
           fmt::format("stage '{}': no condition '{}' for this target; known: {}", stage.name, describe(wanted), known));
     }
 
+    /** Lets conditions go or begins to hold them. */
+    void set_held(const std::vector<BoundaryCondition> &conditions, const Stage &stage, const bool is_held,
+                  Phase &phase)
+    {
+      for (const Target &target : is_held ? stage.holds : stage.releases)
+        {
+          const std::size_t i = find_condition(conditions, stage, target);
+          if (target.kind != ConditionKind::displacement || phase.is_held[i] == is_held)
+            throw std::invalid_argument(fmt::format("stage '{}': '{}' cannot be {}: {}", stage.name,
+                                                    describe(conditions[i]), is_held ? "held" : "released",
+                                                    target.kind != ConditionKind::displacement ? "not a displacement"
+                                                    : is_held                                  ? "it is already"
+                                                                                               : "it is not held"));
+          phase.is_held[i] = is_held;
+        }
+    }
   } // namespace
+
+  std::vector<Phase> resolve_phases(const std::vector<BoundaryCondition> &conditions, const std::vector<Stage> &stages,
+                                    Phase before)
+  {
+    std::vector<Phase> phases;
+    for (const Stage &stage : stages)
+      {
+        if (is_changing(stage) && (stage.kind != StageKind::load || stage.duration > 0.))
+          throw std::invalid_argument(fmt::format(
+              "stage '{}': only a load without duration can place a pile, release or hold a displacement", stage.name));
+        if (stage.places_pile && !before.is_pile_absent)
+          throw std::invalid_argument(fmt::format("stage '{}': there is no absent pile to place", stage.name));
+        set_held(conditions, stage, false, before);
+        set_held(conditions, stage, true, before);
+        before.is_pile_absent &= !stage.places_pile;
+        phases.push_back(before);
+      }
+    return phases;
+  }
 
   double compute_stage_length(const Stage &stage)
   {

@@ -7,6 +7,15 @@
 
 namespace fem
 {
+  /** What takes part in a problem during a stage: it changes when a pile is placed and what held its hole is let go. */
+  struct Phase
+  {
+    std::vector<bool> is_held; ///< displacements, one a condition; true for other conditions
+    bool is_pile_absent = false;
+
+    bool operator==(const Phase &) const = default;
+  };
+
   enum class StageKind
   {
     load, ///< conditions go to their targets in increments
@@ -36,10 +45,16 @@ namespace fem
     double duration = 0.;          ///< [s], >= 0; 0 (load only): time stands still. Creep: > 0
     unsigned int n_increments = 1; ///< of a load stage, >= 1
     Spacing spacing = Spacing::linear;
-    std::vector<Target> targets;    ///< of a load stage
-    double first_output = 1.;       ///< creep: first output and schedule time since its start [s], > 0
-    double outputs_per_decade = 5.; ///< creep: outputs a decade of time since its start, >= 0; 0: at its end
-    double steps_per_decade = 0.;   ///< creep: scheduled steps a decade, >= 0; 0: only events and outputs
+    std::vector<Target> targets;      ///< of a load stage
+    double first_output = 1.;         ///< creep: first output and schedule time since its start [s], > 0
+    double outputs_per_decade = 5.;   ///< creep: outputs a decade of time since its start, >= 0; 0: at its end
+    double steps_per_decade = 0.;     ///< creep: scheduled steps a decade, >= 0; 0: only events and outputs
+    std::vector<double> more_outputs; ///< creep: further output times since its start [s], ascending, > 0
+
+    // What changes at the start of a load stage without duration; forces that this sets free go to zero by its end.
+    bool places_pile = false;     ///< the pile's cells, absent until then, enter free of stress
+    std::vector<Target> releases; ///< displacement conditions that are let go; their values are not used
+    std::vector<Target> holds;    ///< displacement conditions that begin to hold, counted from where things are then
   };
 
   /** Where the programme stands; with the problem's and the material's state it is all that the future depends on. */
@@ -84,6 +99,12 @@ namespace fem
    * range, or a target that matches no condition with the conditions there are. */
   std::vector<std::vector<double>> resolve_targets(const std::vector<BoundaryCondition> &conditions,
                                                    const std::vector<Stage> &stages);
+
+  /** A phase for each stage. Throws std::invalid_argument naming the stage and what contradicts: a condition that is
+   * let go but not held or the other way round, a pile that is there already, a change in a stage that takes time.
+   *  @param before  the phase before the first stage */
+  std::vector<Phase> resolve_phases(const std::vector<BoundaryCondition> &conditions, const std::vector<Stage> &stages,
+                                    Phase before);
 
   /** Length of a stage in its own position: seconds, or 1 where time stands still. */
   double compute_stage_length(const Stage &stage);

@@ -77,7 +77,20 @@ namespace fem
   template <int dim>
   std::vector<BoundaryResponse> QuasiStaticProblem<dim>::compute_boundary_responses() const
   {
-    return boundary_->compute_responses(values_, reactions_, ghosted_, parameters_.kinematics == Kinematics::finite);
+    const Vector *current = parameters_.kinematics == Kinematics::finite ? &ghosted_ : nullptr;
+    auto responses = boundary_->compute_responses(values_, reactions_, ghosted_, current != nullptr);
+    using Visit = typename Assembly<dim>::VisitForces;
+    const auto internal = [&](const Visit &visit) { assembly_->for_each_force(deformations_, responses_, visit); };
+    const auto loads = [&](const Visit &visit) {
+      if (parameters_.unit_weight > 0.)
+        assembly_->for_each_weight(parameters_.unit_weight, visit);
+      boundary_->for_each_external_force(values_, current, visit);
+    };
+    for (const auto &[name, force] : interface_forces_->compute(internal, loads))
+      for (BoundaryResponse &response : responses)
+        if (response.name == name)
+          response.force = force;
+    return responses;
   }
 
   template <int dim>
@@ -109,6 +122,11 @@ namespace fem
         append_owned(pair.change, state.secants);
       }
     state.values = committed_values_;
+    if (has_phases_)
+      {
+        append_owned(carried_, state.carried);
+        append_owned(offsets_, state.offsets);
+      }
     return state;
   }
 
@@ -130,6 +148,9 @@ namespace fem
                          take_owned(create_vector(), state.secants, offset + n_owned)});
     newton_.set_memory(history);
     committed_values_ = state.values;
+    has_phases_ = dealii::Utilities::MPI::max(state.carried.empty() ? 0 : 1, get_communicator()) > 0;
+    carried_ = has_phases_ ? take_owned(create_vector(), state.carried, 0) : create_vector();
+    offsets_ = has_phases_ ? take_owned(create_vector(), state.offsets, 0) : create_vector();
     revert();
   }
 

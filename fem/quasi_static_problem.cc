@@ -27,6 +27,8 @@ namespace fem
       if (!(parameters.newton.tolerance > 0. && parameters.newton.tolerance < 1.))
         throw std::invalid_argument(
             fmt::format("problem: Newton tolerance = {} must lie in (0, 1)", parameters.newton.tolerance));
+      if (!(parameters.unit_weight >= 0.))
+        throw std::invalid_argument(fmt::format("problem: unit weight = {} must be >= 0", parameters.unit_weight));
     }
   } // namespace
 
@@ -42,9 +44,13 @@ namespace fem
     check_parameters(parameters_);
     number_unknowns();
     assembly_ = std::make_unique<Assembly<dim>>(dof_handler_, *mapping_, parameters_.geometry, parameters_.kinematics);
-    boundary_ = std::make_unique<BoundaryConditions<dim>>(dof_handler_, *mapping_, parameters_.geometry,
-                                                          mesh_.boundary_ids, conditions);
+    boundary_ =
+        std::make_unique<BoundaryConditions<dim>>(dof_handler_, *mapping_, parameters_.geometry,
+                                                  BoundaryNames{mesh_.boundary_ids, mesh_.interface_ids}, conditions);
+    interface_forces_ =
+        std::make_unique<InterfaceForces<dim>>(dof_handler_, mesh_.interface_ids, parameters_.pile_regions);
     allocate();
+    set_phase({boundary_->get_held(), parameters_.is_pile_absent});
     introduce_points(initial_stress);
     for (const BoundaryCondition &condition : boundary_->get_conditions())
       values_.push_back(condition.initial_value);
@@ -62,7 +68,7 @@ namespace fem
   template <int dim>
   void QuasiStaticProblem<dim>::allocate()
   {
-    for (Vector *vector : {&committed_, &baseline_, &trial_, &reactions_, &external_})
+    for (Vector *vector : {&committed_, &baseline_, &trial_, &reactions_, &external_, &weight_, &carried_, &offsets_})
       vector->reinit(owned_, get_communicator());
     ghosted_.reinit(owned_, relevant_, get_communicator());
 
@@ -80,10 +86,11 @@ namespace fem
     std::vector<PointSite> sites = assembly_->compute_sites();
     for (PointSite &site : sites)
       {
-        if (initial_stress)
+        if (initial_stress && !assembly_->is_absent(site.region))
           site.initial_stress = initial_stress(site.position);
         requests_.push_back({site.id, identity});
         positions_.push_back(site.position);
+        regions_.push_back(site.region);
         committed_stresses_.push_back(site.initial_stress);
       }
     responses_.resize(sites.size());
@@ -199,12 +206,20 @@ namespace fem
     assembly_->assemble_forces(deformations_, responses_, reactions_);
     boundary_->assemble_external_forces(values_, is_finite ? &ghosted_ : nullptr, external_);
 
+    if (parameters_.unit_weight > 0.)
+      external_ += weight_;
+    if (carried_share_ != 0.)
+      external_.add(carried_share_, carried_);
+    set_followers_to_zero(external_); // nothing loads what is absent
+
     Vector support = reactions_; // internal forces on prescribed unknowns
     boundary_->set_free_to_zero(support);
+    set_followers_to_zero(support);
     force_scale_ = support.l2_norm() + external_.l2_norm();
 
     reactions_ -= external_;
     residual = reactions_;
+    set_followers_to_zero(reactions_);
     Vector wanted = increment;
     impose_boundary(wanted);
     for (const auto dof : boundary_->get_prescribed_dofs())
@@ -217,6 +232,10 @@ namespace fem
   {
     Vector target = baseline_;
     boundary_->set_prescribed(values_, target);
+    if (has_phases_)
+      for (const auto dof : boundary_->get_prescribed_dofs())
+        target(dof) = static_cast<double>(target(dof)) + static_cast<double>(offsets_(dof));
+    target.compress(dealii::VectorOperation::insert);
     for (const auto dof : boundary_->get_prescribed_dofs())
       increment(dof) = target(dof) - baseline_(dof);
     increment.compress(dealii::VectorOperation::insert);

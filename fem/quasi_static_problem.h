@@ -3,7 +3,9 @@
 #include "fem/assembly.h"
 #include "fem/boundary_conditions.h"
 #include "fem/constitutive_model.h"
+#include "fem/interface_forces.h"
 #include "fem/kinematics.h"
+#include "fem/loading_programme.h"
 #include "fem/mesh_input.h"
 #include "fem/newton_solver.h"
 
@@ -20,6 +22,9 @@ namespace fem
     Geometry geometry = Geometry::axisymmetric;
     Kinematics kinematics = Kinematics::finite;
     unsigned int degree = 1; ///< of the elements, 1 or 2; degree + 1 Gauss points a direction
+    double unit_weight = 0.; ///< of all cells that are present, per initial volume, downwards along z [N/m^3], >= 0
+    std::set<dealii::types::material_id> pile_regions; ///< the mesh's numbers of what is pile and not ground
+    bool is_pile_absent = false;                       ///< before a stage places it
     LinearSolverParameters linear_solver;
     NewtonParameters newton;
   };
@@ -68,7 +73,27 @@ namespace fem
     /** Back to the committed configuration. */
     void revert();
 
-    /** Forces and displacements of the named boundaries at the last equilibrium. */
+    /**
+     * Begins another phase at the committed state, which stays in equilibrium: what is out of balance
+     * because a displacement is let go or a pile enters is kept in place by nodal forces, the carried ones, until
+     * set_carried_share() takes them away. A pile that enters
+     * is stress-free in its present position. Displacements that begin to be held count from their present values.
+     * Carried forces of an earlier phase are dropped. Returns what the material answers.
+     */
+    Status begin_phase(const Phase &phase);
+
+    /** Takes part in a phase that has begun before, with carried forces and offsets from set_state(). */
+    void set_phase(const Phase &phase);
+    const Phase &get_phase() const { return phase_; }
+
+    /** Share of the carried forces that acts in the next equilibrium [-]: from 1 to 0. */
+    void set_carried_share(double share) { carried_share_ = share; }
+
+    /** How far the committed state is from equilibrium under its own weight: norm of the free residual over the norm of
+     *  all nodal weights [-]; NaN without weight. Asks the material at no increment. */
+    double compute_unbalanced_share();
+
+    /** Forces and displacements of the named boundaries and interfaces at the last equilibrium. */
     std::vector<BoundaryResponse> compute_boundary_responses() const;
 
     /** The Gauss point nearest to an initial position, as committed. */
@@ -85,12 +110,15 @@ namespace fem
       std::vector<double> stress;       ///< six a point in deal.II's order [Pa]
       std::vector<double> secants;      ///< step and change of each carried pair, owned entries
       std::vector<double> values;       ///< of the conditions at the last commit
+      std::vector<double> carried;      ///< forces of the present phase, owned entries [N]; empty: none
+      std::vector<double> offsets;      ///< of displacements that a stage holds, owned entries [m]; empty: none
     };
     State get_state() const;
     void set_state(const State &state);
     std::vector<double> compute_fingerprint() const; ///< dim, degree, cells, unknowns, volume and centre of the mesh
 
     const std::vector<BoundaryCondition> &get_conditions() const { return boundary_->get_conditions(); }
+    const std::vector<double> &get_values() const { return committed_values_; } ///< of the conditions, as committed
     const dealii::DoFHandler<dim> &get_dof_handler() const { return dof_handler_; }
     const dealii::Mapping<dim> &get_mapping() const { return *mapping_; }
     const Vector &get_displacement() const { return ghosted_; } ///< total, trial, ghosted [m]
@@ -117,6 +145,9 @@ namespace fem
     void compute_residual(const Vector &increment, Vector &residual);
     Vector condense(const Vector &residual) const;
     PointState compute_point_state(std::size_t index) const;
+    void set_followers_to_zero(Vector &vector) const;
+    void enter_pile();
+    std::vector<dealii::types::global_dof_index> list_unfree_dofs() const;
 
     ProblemParameters parameters_;
     ConstitutiveModel &material_;
@@ -127,16 +158,23 @@ namespace fem
     dealii::IndexSet owned_, relevant_;
     std::unique_ptr<Assembly<dim>> assembly_;
     std::unique_ptr<BoundaryConditions<dim>> boundary_;
+    std::unique_ptr<InterfaceForces<dim>> interface_forces_;
 
     NewtonSolver newton_;
     LinearSolver linear_solver_;
     Matrix stiffness_;   ///< of all unknowns: K_fc carries missing boundary displacements
     Matrix constrained_; ///< with prescribed unknowns eliminated: what is factorised
 
-    Vector committed_, baseline_, trial_;           ///< total displacements [m], owned entries
-    Vector ghosted_;                                ///< trial, with the entries that this rank's cells need
-    Vector reactions_;                              ///< internal minus external forces [N]
-    Vector external_;                               ///< forces of tractions and pressures [N]
+    Vector committed_, baseline_, trial_; ///< total displacements [m], owned entries
+    Vector ghosted_;                      ///< trial, with the entries that this rank's cells need
+    Vector reactions_;                    ///< internal minus external forces [N]
+    Vector external_;                     ///< forces of tractions, pressures, weight and carried ones [N]
+    Vector weight_;                       ///< of the cells that are present [N]
+    Vector carried_;                      ///< that keep the present phase's beginning in equilibrium [N]
+    Vector offsets_;                      ///< from which the values of displacements count [m]
+    bool has_phases_ = false;             ///< carried_ or offsets_ may be other than zero
+    double carried_share_ = 0.;
+    Phase phase_;
     std::vector<std::vector<bool>> constant_modes_; ///< rigid translations, for the multigrid
     std::vector<double> values_, committed_values_;
     double force_scale_ = 0.;
@@ -146,5 +184,6 @@ namespace fem
     std::vector<dealii::Point<3>> positions_;
     std::vector<dealii::Tensor<2, 3>> deformations_, baseline_deformations_, committed_deformations_; ///< total F
     std::vector<dealii::SymmetricTensor<2, 3>> committed_stresses_;
+    std::vector<dealii::types::material_id> regions_; ///< of the points
   };
 } // namespace fem
