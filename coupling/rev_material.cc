@@ -46,6 +46,21 @@ namespace coupling
     return model;
   }
 
+  /** Rows of a question to all points, as matrices of those that live here. */
+  std::vector<dem::Matrix> RevMaterial::bring_home(const RevPool::Questions &stresses) const
+  {
+    std::map<PointId, dem::Matrix> found;
+    for (const PointId id : pool_.get_local_points())
+      found[id] = dem::Matrix::Zero();
+    pool_.ask(stresses, 0, [&](const PointId id, std::span<const double> stress, std::span<double>) {
+      found.at(id) = to_matrix(take_tensor(stress));
+    });
+    std::vector<dem::Matrix> here;
+    for (const auto &[id, stress] : found)
+      here.push_back(stress);
+    return here;
+  }
+
   void RevMaterial::initialise(std::span<const fem::PointSite> sites)
   {
     std::vector<PointId> ids;
@@ -64,7 +79,12 @@ namespace coupling
       points_[id];
     if (parameters_.is_resumed)
       return;
-    const auto packings = distribute_packings(pool_, parameters_.packing, parameters_.model);
+    std::vector<dem::RevState> packings;
+    if (parameters_.packing.n_levels > 0 && parameters_.packing.n_packings > 0)
+      packings = distribute_library(pool_, parameters_.packing, parameters_.model, parameters_.consolidation,
+                                    bring_home(stresses));
+    else
+      packings = distribute_packings(pool_, parameters_.packing, parameters_.model);
     for (std::size_t i = 0; i < packings.size(); ++i)
       {
         const PointId id = pool_.get_local_points()[i];

@@ -83,6 +83,7 @@ namespace coupling
     };
 
     dem::RevModel make_model(PointId id) const;
+    std::vector<dem::Matrix> bring_home(const RevPool::Questions &stresses) const;
     void update_fields();
     fem::Status change_baselines(const RevQuestion &question, unsigned int &n_broken);
     void report_failure(PointId id, const dem::RevState &before, const RevQuestion &question,
