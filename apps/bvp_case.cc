@@ -120,6 +120,13 @@ namespace apps
       binder.bind("Packings", material.packing.n_packings, {0., 1e6},
                   "Different packings, dealt out to the Gauss points in turn; 0: one a point. Strengths and cracks are "
                   "each point's own in any case. Units: [-].");
+      binder.bind(
+          "Library levels", material.packing.n_levels, {0., 1000.},
+          "Stresses between the least and the largest of the Gauss points that each packing is brought to in "
+          "advance, nothing breaking; a point starts from the nearest one. 0: all start from the packing. Needs "
+          "Packings > 0. Units: [-].");
+      binder.bind("Consolidation tolerance", material.consolidation.stress_tolerance, {0., 0.1},
+                  "Of the initial stress, over its largest component; 0: Equilibrium/Stress tolerance. Units: [-].");
       binder.bind_choice<coupling::AgeingMode>(
           "Ageing", material.ageing.mode,
           {{"events", coupling::AgeingMode::events}, {"schedule", coupling::AgeingMode::schedule}},
@@ -211,11 +218,43 @@ namespace apps
     {
       for (int m = 0; m < 6; ++m)
         bvp.initial_stress[dem::tangent_index[m][0]][dem::tangent_index[m][1]] = -written.initial_stress[m];
-      if (bvp.material == MaterialKind::rev && !(dealii::eigenvalues(bvp.initial_stress)[0] < 0.))
+      if (bvp.material == MaterialKind::rev && !bvp.ground.is_geostatic &&
+          !(dealii::eigenvalues(bvp.initial_stress)[0] < 0.))
         binder.reject("Problem/Initial stress", "holds a tension, which grains cannot bear; allowed: all principal "
                                                 "stresses > 0 (compression)");
     }
+    // A name that is written twice, or phases that contradict one another, are found before any mesh is made.
+    void complete_pile(const ParameterBinder &binder, BvpCase &bvp)
+    {
+      for (fem::BoundaryCondition &condition : bvp.conditions)
+        condition.is_held |= condition.kind != fem::ConditionKind::displacement;
+      if (bvp.pile.is_absent && bvp.pile.regions.find_first_not_of(" ,") == std::string::npos)
+        binder.reject("Pile/Is absent at first", "needs a pile: Pile/Regions is empty");
+      complete_load_tests(binder, bvp.load_tests, bvp.conditions, bvp.stages);
+      fem::Phase first;
+      first.is_pile_absent = bvp.pile.is_absent;
+      for (const fem::BoundaryCondition &condition : bvp.conditions)
+        first.is_held.push_back(condition.is_held);
+      for (std::size_t n = 1; n <= bvp.stages.size(); ++n)
+        try
+          {
+            fem::resolve_phases(bvp.conditions, {bvp.stages.begin(), bvp.stages.begin() + static_cast<long>(n)}, first);
+          }
+        catch (const std::invalid_argument &error)
+          {
+            binder.reject(fmt::format("Loading/Stage {}/Name", n),
+                          fmt::format("stands for a contradiction: {}", std::string(error.what())));
+          }
+      bvp.pile.elastic.kinematics = bvp.problem.kinematics;
+      bvp.problem.unit_weight = bvp.ground.geostatic.unit_weight;
+      bvp.problem.is_pile_absent = bvp.pile.is_absent;
+    }
   } // namespace
+
+  dealii::SymmetricTensor<2, 3> compute_initial_stress(const BvpCase &bvp, const dealii::Point<3> &place)
+  {
+    return bvp.ground.is_geostatic ? fem::compute_geostatic_stress(bvp.ground.geostatic, place) : bvp.initial_stress;
+  }
 
   void read_bvp_case(const ParameterFile &file, ParameterBinder &binder, BvpCase &bvp)
   {
@@ -228,6 +267,8 @@ namespace apps
     bind_mesh(binder, bvp.mesh, written);
     bind_conditions(file, binder, bvp.conditions);
     bind_stages(file, binder, bvp.stages, stages);
+    bind_ground(binder, bvp.ground, bvp.pile);
+    bind_load_tests(binder, bvp.load_tests);
     bind_output(binder, bvp.output);
     bind_coupling(binder, bvp.rev_material);
     bind_rev_parameters(binder, bvp.rev);
@@ -242,6 +283,7 @@ namespace apps
       if (condition.kind == fem::ConditionKind::pressure) // it has no component, whatever is written
         condition.component.clear();
     complete_stages(binder, stages, bvp.conditions, bvp.stages);
+    complete_pile(binder, bvp);
     bvp.output.probes = parse_probes(binder, bvp.output.probes_text);
     bvp.rev_material.model = bvp.rev.model;
     bvp.rev_material.packing.rule = bvp.rev.packing;
@@ -254,18 +296,36 @@ namespace apps
 
   void check_bvp_case(const ParameterBinder &binder, const BvpCase &bvp)
   {
+    std::map<std::string, dealii::types::material_id> regions;
     const auto get_names = [&]() {
-      return bvp.problem.geometry == fem::Geometry::three_dimensional
-                 ? fem::create_mesh<3>(bvp.mesh, bvp.problem.geometry, MPI_COMM_SELF).boundary_ids
-                 : fem::create_mesh<2>(bvp.mesh, bvp.problem.geometry, MPI_COMM_SELF).boundary_ids;
+      std::vector<std::string> names;
+      const auto collect = [&](const auto &mesh) {
+        for (const auto &[name, id] : mesh.boundary_ids)
+          names.push_back(name);
+        for (const auto &[name, id] : mesh.interface_ids)
+          names.push_back(name);
+        regions = mesh.region_ids;
+      };
+      if (bvp.problem.geometry == fem::Geometry::three_dimensional)
+        collect(fem::create_mesh<3>(bvp.mesh, bvp.problem.geometry, MPI_COMM_SELF));
+      else
+        collect(fem::create_mesh<2>(bvp.mesh, bvp.problem.geometry, MPI_COMM_SELF));
+      return names;
     };
     const auto names = as_bad_input(get_names);
+    assign_regions(bvp.ground, bvp.pile, regions);
     std::string known;
-    for (const auto &[name, id] : names)
+    for (const std::string &name : names)
       known += (known.empty() ? "" : ", ") + name;
     for (std::size_t i = 0; i < bvp.conditions.size(); ++i)
-      if (!names.contains(bvp.conditions[i].boundary))
-        binder.reject(fmt::format("Boundary conditions/Condition {}/Boundary", i + 1),
+      if (std::find(names.begin(), names.end(), bvp.conditions[i].boundary) == names.end())
+        binder.reject(i < bvp.load_tests.condition ? fmt::format("Boundary conditions/Condition {}/Boundary", i + 1)
+                                                   : "Load tests/Head",
                       fmt::format("is no boundary of the mesh; allowed: {}", known));
+    if (!bvp.load_tests.ages.empty())
+      for (const auto &[path, name] :
+           {std::pair("Load tests/Shaft", bvp.load_tests.shaft), std::pair("Load tests/Base", bvp.load_tests.base)})
+        if (std::find(names.begin(), names.end(), name) == names.end())
+          binder.reject(path, fmt::format("is no boundary of the mesh; allowed: {}", known));
   }
 } // namespace apps

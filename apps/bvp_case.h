@@ -1,5 +1,7 @@
 #pragma once
 
+#include "apps/ground_parameters.h"
+#include "apps/load_test.h"
 #include "apps/rev_parameters.h"
 
 #include "coupling/rev_material.h"
@@ -43,7 +45,10 @@ namespace apps
     fem::MeshParameters mesh;
     fem::ProblemParameters problem;
     bool is_distributed = false; ///< the mesh is spread over the ranks instead of being on each of them
-    dealii::SymmetricTensor<2, 3> initial_stress; ///< [Pa], tension-positive
+    dealii::SymmetricTensor<2, 3> initial_stress; ///< [Pa], tension-positive; of ground that is not geostatic
+    GroundParameters ground;
+    PileParameters pile;
+    LoadTestParameters load_tests;
     std::vector<fem::BoundaryCondition> conditions;
     std::vector<fem::Stage> stages;
     fem::SteppingParameters stepping;
@@ -62,6 +67,9 @@ namespace apps
    * @param binder  knows all parameters afterwards, for check_bvp_case(); it refers to `bvp`
    */
   void read_bvp_case(const ParameterFile &file, ParameterBinder &binder, BvpCase &bvp);
+
+  /** Stress of the untouched ground [Pa], tension-positive. */
+  dealii::SymmetricTensor<2, 3> compute_initial_stress(const BvpCase &bvp, const dealii::Point<3> &place);
 
   /** What only the mesh can tell: that it can be made, and that each condition's boundary is there. Throws BadInput. */
   void check_bvp_case(const ParameterBinder &binder, const BvpCase &bvp);

@@ -3,6 +3,7 @@
 #include "dem/stopwatch.h"
 
 #include "fem/checkpoint.h"
+#include "fem/composite_material.h"
 
 #include <fmt/format.h>
 
@@ -30,13 +31,7 @@ namespace apps
     if (!line.is_resumed)
       prepare_folder();
     progress_.say(line.is_resumed ? "reading the checkpoint" : "preparing the Gauss points");
-    make_material();
-    const auto stress = [&](const dealii::Point<3> &) { return bvp_.initial_stress; };
-    problem_ = as_bad_input([&]() {
-      return std::make_unique<fem::QuasiStaticProblem<dim>>(
-          fem::create_mesh<dim>(bvp.mesh, bvp.problem.geometry, macro), bvp.conditions, bvp.problem, *material_,
-          stress);
-    });
+    make_problem();
     fem::StepObserver observer;
     observer.on_commit = [this](const fem::StepReport &report) { record(report); };
     observer.on_cut = [this](const fem::CutReport &report) { record_cut(report); };
@@ -46,6 +41,7 @@ namespace apps
     open_history();
     if (line.is_resumed)
       prepare_folder();
+    open_load_tests();
     if (bvp.output.writes_fields)
       fields_ = std::make_unique<fem::FieldOutput>(
           folder_.get_path(), "fields", line.is_resumed ? std::optional(stepping_->get_progress().step) : std::nullopt);
@@ -60,23 +56,77 @@ namespace apps
   }
 
   template <int dim>
-  void BvpRun<dim>::make_material()
+  void BvpRun<dim>::make_problem()
   {
     MPI_Comm macro = bvp_.is_distributed ? MPI_COMM_WORLD : MPI_COMM_SELF;
-    if (bvp_.material == MaterialKind::elastic)
-      material_ = std::make_unique<fem::ElasticMaterial>(bvp_.elastic, macro);
-    else if (bvp_.material == MaterialKind::viscoelastic)
-      material_ = std::make_unique<fem::ViscoelasticMaterial>(bvp_.burgers, macro);
-    else
+    problem_ = as_bad_input([&]() {
+      auto mesh = fem::create_mesh<dim>(bvp_.mesh, bvp_.problem.geometry, macro);
+      make_material(mesh.region_ids);
+      fem::ProblemParameters parameters = bvp_.problem;
+      const auto pile = assign_regions(bvp_.ground, bvp_.pile, mesh.region_ids).pile;
+      parameters.pile_regions = {pile.begin(), pile.end()};
+      return std::make_unique<fem::QuasiStaticProblem<dim>>(
+          std::move(mesh), bvp_.conditions, parameters, *material_,
+          [this](const dealii::Point<3> &place) { return compute_initial_stress(bvp_, place); });
+    });
+  }
+
+  template <int dim>
+  void BvpRun<dim>::make_material(const Regions &region_ids)
+  {
+    const RegionMaterials regions = assign_regions(bvp_.ground, bvp_.pile, region_ids);
+    if (!regions.has_several())
       {
-        coupling::RevMaterialParameters parameters = bvp_.rev_material;
-        parameters.failure_folder = folder_.get_file("failures");
-        parameters.is_resumed = line_.is_resumed;
-        auto material = std::make_unique<coupling::RevMaterial>(
-            parameters, coupling::RevPool(MPI_COMM_WORLD, !bvp_.is_distributed, line_.n_threads));
-        rev_material_ = material.get();
-        material_ = std::move(material);
+        material_ = make_part(bvp_.material, "/material");
+        return;
       }
+    MPI_Comm macro = bvp_.is_distributed ? MPI_COMM_WORLD : MPI_COMM_SELF;
+    auto composite = std::make_unique<fem::CompositeMaterial>(macro);
+    auto pile = std::make_unique<fem::ElasticMaterial>(bvp_.pile.elastic, macro);
+    pile->set_archive_group("/material/pile");
+    composite->add(std::move(pile), regions.pile);
+    if (!regions.elastic.empty())
+      composite->add(make_part(MaterialKind::elastic, "/material/elastic"), regions.elastic);
+    if (!regions.viscoelastic.empty())
+      composite->add(make_part(MaterialKind::viscoelastic, "/material/viscoelastic"), regions.viscoelastic);
+    if (!regions.rest.empty())
+      composite->add(make_part(bvp_.material, "/material"), regions.rest);
+    material_ = std::move(composite);
+  }
+
+  template <int dim>
+  std::unique_ptr<fem::ConstitutiveModel> BvpRun<dim>::make_part(const MaterialKind kind,
+                                                                 const std::string &archive_group)
+  {
+    MPI_Comm macro = bvp_.is_distributed ? MPI_COMM_WORLD : MPI_COMM_SELF;
+    std::unique_ptr<fem::CorotationalMaterial> closed_form;
+    if (kind == MaterialKind::elastic)
+      closed_form = std::make_unique<fem::ElasticMaterial>(bvp_.elastic, macro);
+    else if (kind == MaterialKind::viscoelastic)
+      closed_form = std::make_unique<fem::ViscoelasticMaterial>(bvp_.burgers, macro);
+    if (closed_form)
+      {
+        closed_form->set_archive_group(archive_group);
+        return closed_form;
+      }
+    coupling::RevMaterialParameters parameters = bvp_.rev_material;
+    parameters.failure_folder = folder_.get_file("failures");
+    parameters.is_resumed = line_.is_resumed;
+    auto material = std::make_unique<coupling::RevMaterial>(
+        parameters, coupling::RevPool(MPI_COMM_WORLD, !bvp_.is_distributed, line_.n_threads));
+    rev_material_ = material.get();
+    return material;
+  }
+
+  template <int dim>
+  void BvpRun<dim>::open_load_tests()
+  {
+    if (!bvp_.load_tests.ages.empty())
+      load_tests_ = std::make_unique<LoadTests<dim>>(bvp_.load_tests,
+                                                     typename LoadTests<dim>::Run{folder_.get_path(), bvp_.rev.seed,
+                                                                                  is_first_rank_, line_.is_resumed,
+                                                                                  stepping_->get_progress().time},
+                                                     bvp_.stepping);
   }
 
   template <int dim>
@@ -118,8 +168,11 @@ namespace apps
   template <int dim>
   int BvpRun<dim>::run()
   {
+    if (load_tests_)
+      load_tests_->run_due(*problem_, bvp_.stages, stepping_->get_progress());
     if (!line_.is_resumed)
       {
+        unbalanced_share_ = problem_->compute_unbalanced_share();
         write_initial_row();
         write_stage_snapshots(0);
         fem::write_checkpoint(folder_.get_file("checkpoint.h5"), *problem_, stepping_->get_progress());
@@ -176,6 +229,8 @@ namespace apps
   {
     const coupling::RevTotals totals = rev_material_ ? rev_material_->compute_totals() : coupling::RevTotals{};
     write_step(report, totals);
+    if (load_tests_)
+      load_tests_->run_due(*problem_, bvp_.stages, stepping_->get_progress());
     if (bvp_.stages[report.stage].kind == fem::StageKind::creep)
       {
         ++tally_.creep_steps;
@@ -250,6 +305,8 @@ namespace apps
         summary.wall_s["outside REVs"] = total - pool.get_total_time();
         summary.figures["share of wall time outside REVs [-]"] = 1. - pool.get_total_time() / total;
       }
+    if (std::isfinite(unbalanced_share_))
+      summary.figures["residual of the untouched ground over its weight [-]"] = unbalanced_share_;
     summary.figures["creep steps"] = tally_.creep_steps;
     if (tally_.creep_steps > 0)
       summary.figures["REV evaluations a point and creep step"] =

@@ -35,7 +35,12 @@ namespace apps
     };
 
     void prepare_folder() const;
-    void make_material();
+    using Regions = std::map<std::string, dealii::types::material_id>;
+
+    void make_material(const Regions &regions);
+    std::unique_ptr<fem::ConstitutiveModel> make_part(MaterialKind kind, const std::string &archive_group);
+    void make_problem();
+    void open_load_tests();
     void resume();
     void open_history();
     void record(const fem::StepReport &report);
@@ -59,6 +64,8 @@ namespace apps
     std::unique_ptr<fem::LoadStepping<dim>> stepping_;
     std::unique_ptr<HistoryFile> history_; ///< on the first rank
     std::unique_ptr<fem::FieldOutput> fields_;
+    std::unique_ptr<LoadTests<dim>> load_tests_;                         ///< if there are any
+    double unbalanced_share_ = std::numeric_limits<double>::quiet_NaN(); ///< of the untouched ground [-]
     Tally tally_;
     double output_s_ = 0.; ///< wall time of writing [s]
   };

@@ -26,9 +26,11 @@ namespace apps
       binder.bind_choice<fem::AreaMeasure>(
           "Area", condition.area, {{"current", fem::AreaMeasure::current}, {"initial", fem::AreaMeasure::initial}},
           "That a traction or pressure is measured on. Units: none.");
+      binder.bind("Is held", condition.is_held,
+                  "A displacement: from the beginning; else from the stage that holds it. Units: none.");
     }
 
-    void bind_stage(ParameterBinder &binder, fem::Stage &stage, std::string &targets)
+    void bind_stage(ParameterBinder &binder, fem::Stage &stage, StageTexts &texts, std::size_t i)
     {
       binder.bind("Name", stage.name, "For people. Units: none.");
       binder.bind_choice<fem::StageKind>("Kind", stage.kind,
@@ -39,7 +41,7 @@ namespace apps
       binder.bind_choice<fem::Spacing>("Spacing", stage.spacing,
                                        {{"linear", fem::Spacing::linear}, {"geometric", fem::Spacing::geometric}},
                                        "Of a load's increments. Units: none.");
-      binder.bind("Targets", targets,
+      binder.bind("Targets", texts.targets[i],
                   "Of a load, 'BOUNDARY KIND [COMPONENT]: VALUE; ...' such as 'top pressure: 21.7e6'. Units: [m] or "
                   "[Pa].");
       binder.bind("First output", stage.first_output, positive, "Of a creep, since its start. Units: [s].");
@@ -47,6 +49,50 @@ namespace apps
                   "Of a creep; 0: at its end. Units: [-].");
       binder.bind("Steps per decade", stage.steps_per_decade, non_negative,
                   "Of a creep; 0: events and outputs alone. Units: [-].");
+      binder.bind(
+          "Places pile", stage.places_pile,
+          "Of a load without duration: the absent pile enters free of stress at its start; what the hole's wall "
+          "carried goes over to it by its end. Units: none.");
+      binder.bind("Releases", texts.releases[i],
+                  "Of a load without duration, 'BOUNDARY displacement COMPONENT; ...': conditions let go at its start; "
+                  "their forces go to zero by its end. Units: none.");
+      binder.bind(
+          "Holds", texts.holds[i],
+          "Of a load without duration, as Releases: conditions that hold from its start on, their values counted "
+          "from where the boundary is then. Units: none.");
+    }
+
+    fem::ConditionKind parse_kind(const std::string &word, bool &is_known)
+    {
+      for (const auto &[known, kind] : condition_kinds)
+        if (known == word)
+          {
+            is_known = true;
+            return kind;
+          }
+      return {};
+    }
+
+    /** "shaft displacement r; base displacement z" */
+    std::vector<fem::Target> parse_conditions(const ParameterBinder &binder, const std::string &path,
+                                              const std::string &text)
+    {
+      std::vector<fem::Target> found;
+      std::string part;
+      for (std::istringstream stream(text); std::getline(stream, part, ';');)
+        if (part.find_first_not_of(" \t") != std::string::npos)
+          {
+            fem::Target target;
+            std::string kind;
+            bool is_known = false;
+            std::istringstream words(part);
+            words >> target.boundary >> kind >> target.component;
+            target.kind = parse_kind(kind, is_known);
+            if (!words || !(words >> std::ws).eof() || !is_known)
+              binder.reject(path, fmt::format("holds '{}'; allowed: 'BOUNDARY displacement COMPONENT; ...'", part));
+            found.push_back(target);
+          }
+      return found;
     }
 
     fem::Target parse_target(const ParameterBinder &binder, const std::string &path, const std::string &text)
@@ -61,12 +107,7 @@ namespace apps
       words >> target.boundary >> kind >> target.component;
       number >> target.value;
       bool is_known = false;
-      for (const auto &[word, value] : condition_kinds)
-        if (word == kind)
-          {
-            target.kind = value;
-            is_known = true;
-          }
+      target.kind = parse_kind(kind, is_known);
       if (!number || !(number >> std::ws).eof() || !is_known)
         binder.reject(path, allowed);
       return target;
@@ -99,7 +140,8 @@ namespace apps
     const Range allowed{1., 1000.};
     const unsigned int number = ParameterBinder::read_number(file, "Loading/Number of stages", allowed, 1);
     stages.resize(number);
-    texts.targets.resize(number);
+    for (auto *text : {&texts.targets, &texts.releases, &texts.holds})
+      text->resize(number);
     binder.enter("Loading");
     binder.bind_fixed("Number of stages", number, allowed,
                       "Sections 'Stage 1' and so on, one after another. Units: [-].");
@@ -107,7 +149,7 @@ namespace apps
       {
         stages[i].name = fmt::format("stage {}", i + 1);
         binder.enter(fmt::format("Stage {}", i + 1));
-        bind_stage(binder, stages[i], texts.targets[i]);
+        bind_stage(binder, stages[i], texts, i);
         binder.leave();
       }
     binder.leave();
@@ -123,6 +165,8 @@ namespace apps
         for (std::istringstream stream(texts.targets[i]); std::getline(stream, part, ';');)
           if (part.find_first_not_of(" \t") != std::string::npos)
             stages[i].targets.push_back(parse_target(binder, path + "Targets", part));
+        stages[i].releases = parse_conditions(binder, path + "Releases", texts.releases[i]);
+        stages[i].holds = parse_conditions(binder, path + "Holds", texts.holds[i]);
         if (stages[i].kind == fem::StageKind::creep && !(stages[i].duration > 0.))
           binder.reject(path + "Duration", "must be > 0 in a creep stage");
         if (stages[i].kind == fem::StageKind::creep && !stages[i].targets.empty())

@@ -13,6 +13,7 @@ namespace apps
   struct StageTexts
   {
     std::vector<std::string> targets;
+    std::vector<std::string> releases, holds; ///< without values: "shaft displacement r; shaft displacement z"
   };
 
   /** Binds "Boundary conditions", as many as the file says there are. */
