@@ -97,7 +97,10 @@ namespace dem
                                                              const LaneVector &step)
   {
     constexpr double tiny = 1e-200; // keeps an unloaded contact's zero shear from 0/0
-    const Lanes square = dot(before, before), along = dot(before, n), flat_square = square - along * along;
+    // What lies along the normal but for rounding has no direction in the plane to be turned to, and is left behind.
+    constexpr double smallest_share = 1e-8;
+    const Lanes square = dot(before, before), along = dot(before, n);
+    const Lanes flat_square = compute_larger(square - along * along, smallest_share * square);
     const Lanes turn = square * compute_inverse_root(compute_larger(square * flat_square, tiny));
     const Lanes kt = law.shear_ratio * normal.stiffness;
     const LaneVector leaning{turn * before.x + kt * step.x, turn * before.y + kt * step.y,

@@ -51,6 +51,22 @@ namespace
     return 0.3 * test.law.friction * test.normal().force * direction;
   }
 
+  TEST(ShearForce, WhatLiesAlongTheNormalNeverGrows)
+  {
+    // Law: a shear force is turned into the contact plane with its size kept. One along the normal, as rounding leaves
+    // it in a contact that bears no shear, has nowhere to be turned to: whatever becomes of it is not larger than it was.
+    // Sizes from rounding to that of friction; directions at random, so that the part in the plane is of either sign.
+    for (int i = 0; i < 200; ++i)
+      for (const double size : {1e-29, 1e-17, 1e-6, 1e-2})
+        {
+          const Vector normal = Vector(std::cos(1. + i), std::sin(2. + 3. * i), std::cos(0.7 * i)).normalized();
+          PairTest test(normal);
+          test.network.set_shear(0, size * normal, PairStatus::sticks);
+          test.compute();
+          EXPECT_LE(test.shear().norm(), size);
+        }
+  }
+
   TEST(ShearForce, GrowsByTangentialStiffnessTimesDisplacement)
   {
     // Law: t on a = kt (v_b - v_a) dt in the contact plane, kt = 2(1 - nu)/(2 - nu) kn; the part along n does not
