@@ -215,6 +215,20 @@ namespace dem
            std::none_of(is_stress_controlled.begin() + 3, is_stress_controlled.end(), [](const bool is) { return is; });
   }
 
+  RestReport &RestReport::operator+=(const RestReport &next)
+  {
+    status = next.status;
+    n_cycles += next.n_cycles;
+    duration += next.duration;
+    unbalanced_ratio = next.unbalanced_ratio;
+    for (int m = 0; m < 6; ++m)
+      {
+        largest_deviation[m] = std::max(largest_deviation[m], next.largest_deviation[m]);
+        smallest_deviation[m] = std::min(smallest_deviation[m], next.smallest_deviation[m]);
+      }
+    return *this;
+  }
+
   const char *describe(const RestStatus status)
   {
     switch (status)

@@ -56,6 +56,9 @@ namespace dem
     double unbalanced_ratio = std::numeric_limits<double>::quiet_NaN();
     /** Largest and smallest deviation of each controlled stress from its target on the way [Pa]. */
     std::array<double, 6> largest_deviation{}, smallest_deviation{};
+
+    /** Another run after this one: its end, the cycles and the deviations of both. Profile and memory stay. */
+    RestReport &operator+=(const RestReport &next);
   };
 
   /** What decides how a REV moves to rest. */

@@ -21,24 +21,6 @@ namespace dem
      * while the grains still bear load, so that a tenth of these do. */
     constexpr std::size_t correction_cap = 30;
 
-    double compute_largest_component(const Matrix &strain)
-    {
-      return strain.cwiseAbs().maxCoeff();
-    }
-
-    void add(const RestReport &report, RestReport &sum)
-    {
-      sum.status = report.status;
-      sum.n_cycles += report.n_cycles;
-      sum.duration += report.duration;
-      sum.unbalanced_ratio = report.unbalanced_ratio;
-      for (int m = 0; m < 6; ++m)
-        {
-          sum.largest_deviation[m] = std::max(sum.largest_deviation[m], report.largest_deviation[m]);
-          sum.smallest_deviation[m] = std::min(sum.smallest_deviation[m], report.smallest_deviation[m]);
-        }
-    }
-
     struct Step
     {
       double share = 0.; ///< of the load at its end
@@ -270,7 +252,7 @@ namespace dem
         for (std::size_t n = 0; n < correction_cap; ++n)
           {
             control = compute_control(stage_, position_, step.share, rev_.get_baseline());
-            add(step.clock ? rev_.control(control, *step.clock) : rev_.control(control), end.rest);
+            end.rest += step.clock ? rev_.control(control, *step.clock) : rev_.control(control);
             ++effort_.n_equilibria;
             if (end.rest.status != RestStatus::at_rest)
               break;
@@ -283,11 +265,10 @@ namespace dem
           }
         effort_.n_cycles += end.rest.n_cycles;
         const Matrix strain = compute_logarithmic_strain(rev_.get_trial().cell.deformation);
-        end.strain =
-            compute_largest_component(strain - compute_logarithmic_strain(rev_.get_committed().cell.deformation));
-        end.strain_of_stage = compute_largest_component(strain - position_.strain_at_start);
+        end.strain = (strain - compute_logarithmic_strain(rev_.get_committed().cell.deformation)).cwiseAbs().maxCoeff();
+        end.strain_of_stage = (strain - position_.strain_at_start).cwiseAbs().maxCoeff();
         end.largest_target =
-            compute_largest_component(control.follows_volume ? rev_.get_trial().stress : control.target_stress);
+            (control.follows_volume ? rev_.get_trial().stress : control.target_stress).cwiseAbs().maxCoeff();
         end.is_stress_controlled = control.is_stress_controlled;
         return end;
       }
