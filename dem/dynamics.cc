@@ -127,7 +127,7 @@ namespace dem
     team_.run(network_.blocks.size(), [this](const std::size_t k) { move_block(k, forces_.get_rows()); });
   }
 
-  void Dynamics::compute_forces_and_move()
+  void Dynamics::compute_forces_and_move(const bool has_stress)
   {
     if (!has_masses_ || state_.cell.has_walls()) // walls add their forces once those of all pairs are known
       {
@@ -140,8 +140,10 @@ namespace dem
     if (!is_wide_enough_)
       return;
     block_steps_.resize(network_.blocks.size());
+    motion_.has_sums = has_stress;
     sums_ = compute_contact_forces({state_, law_, motion_}, network_, forces_, team_,
                                    [this](const std::size_t k, const ForceRows &rows) { move_block(k, rows); });
+    motion_.has_sums = true;
   }
 
   void Dynamics::strain(const Matrix &increment)

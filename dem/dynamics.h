@@ -32,9 +32,10 @@ namespace dem
     /** Moves grains by their forces. */
     void move();
 
-    /** For cycles in which nobody asks before the grains move on: each block moves while it lies in the cache. Stress
-     * and stiffness are known afterwards; forces and what follows from them are not. */
-    void compute_forces_and_move();
+    /** For cycles in which nobody asks before the grains move on: each block moves while it lies in the cache. Forces
+     * and what follows from them are not known afterwards. @param has_stress  whether stress and stiffness are; else
+     * they are not numbers, and no time goes into them */
+    void compute_forces_and_move(bool has_stress);
 
     /** Strains the cell, F <- (1 + increment) F, and ends the cycle. */
     void strain(const Matrix &increment);

@@ -179,7 +179,7 @@ namespace dem
           if (is_watched)
             dynamics.compute_forces();
           else
-            dynamics.compute_forces_and_move();
+            dynamics.compute_forces_and_move(has_servo);
           const CycleVerdict verdict = hook && dynamics.is_wide_enough() ? hook(dynamics) : CycleVerdict::may_rest;
           if (verdict == CycleVerdict::goes_on)
             ++schedule.last;

@@ -26,8 +26,8 @@ namespace dem
     PairLoop(const ForceTask &task, ContactNetwork &network, Forces &forces, const ForceRows &rows)
         : law_(task.law), place_(task.state.grains.place.data()), velocity_(task.state.grains.velocity.data()),
           spin_(task.state.grains.spin.data()), edges_(task.state.cell.edges), strain_(task.motion.strain_increment),
-          time_step_(task.motion.time_step), has_contact_stress_(task.motion.has_contact_stress), network_(network),
-          forces_(forces), rows_(rows)
+          time_step_(task.motion.time_step), has_contact_stress_(task.motion.has_contact_stress),
+          has_sums_(task.motion.has_sums), network_(network), forces_(forces), rows_(rows)
     {}
 
     /** Near pairs: both grains get their force at once. */
@@ -46,6 +46,8 @@ namespace dem
 
     ContactSums finish() const
     {
+      if (!has_sums_)
+        return get_unknown_sums();
       ContactSums sums;
       for (int k = 0; k < 9; ++k)
         sums.force_times_branch(k / 3, k % 3) = sum_lanes(moment_[k]);
@@ -79,6 +81,15 @@ namespace dem
       NormalLanes normal;
     };
 
+    static ContactSums get_unknown_sums()
+    {
+      constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+      ContactSums sums;
+      sums.force_times_branch.setConstant(unknown);
+      sums.normal_force = sums.stiffness_moment = unknown;
+      return sums;
+    }
+
     template <bool is_far>
     [[gnu::always_inline]] void compute(const std::size_t k, const std::size_t far)
     {
@@ -92,7 +103,8 @@ namespace dem
       press(k, touch);
       const LaneVector shear = update_shear(k, touch, relative);
       const LaneVector force = add(shear, -touch.normal.force, touch.unit);
-      add_to_sums(touch, force);
+      if (has_sums_) // not another function, in which the compiler would round in other places
+        add_to_sums(touch, force);
       give<is_far>(k, far, touch, force);
       if constexpr (is_rotation_free)
         give_torques<is_far>(k, far, touch, shear);
@@ -239,7 +251,7 @@ namespace dem
     const Row *const place_, *const velocity_, *const spin_;
     const Matrix edges_, strain_;
     const double time_step_;
-    const bool has_contact_stress_;
+    const bool has_contact_stress_, has_sums_;
     ContactNetwork &network_;
     Forces &forces_;
     const ForceRows rows_;

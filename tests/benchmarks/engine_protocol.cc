@@ -75,7 +75,7 @@ namespace benchmarks
     const auto start = std::chrono::steady_clock::now();
     for (std::size_t step = 0; step < protocol.n_steps; ++step)
       {
-        step == 0 ? dynamics.move() : dynamics.compute_forces_and_move();
+        step == 0 ? dynamics.move() : dynamics.compute_forces_and_move(false);
         dynamics.strain(increment);
       }
     dynamics.compute_forces();

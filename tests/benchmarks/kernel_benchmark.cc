@@ -84,7 +84,7 @@ namespace
     const dem::Matrix increment = benchmarks::compute_strain_increment(protocol, dynamics.get_time_step());
     for (auto _ : bench)
       {
-        dynamics.compute_forces_and_move();
+        dynamics.compute_forces_and_move(false);
         dynamics.strain(increment);
       }
     report_grains(bench, state);

@@ -69,7 +69,8 @@ namespace
   }
 
   /** Some cycles of a packing of several blocks, each in one walk through the grains or in two. */
-  RevState run_cycles(const bool is_fused, const std::size_t n_threads, const bool has_true_masses)
+  RevState run_cycles(const bool is_fused, const std::size_t n_threads, const bool has_true_masses,
+                      const bool has_stress = true)
   {
     RevState state = get_packing();
     RevModel model;
@@ -88,7 +89,7 @@ namespace
         dynamics.strain(increment);
         if (is_fused)
           {
-            dynamics.compute_forces_and_move();
+            dynamics.compute_forces_and_move(has_stress);
             continue;
           }
         dynamics.compute_forces();
@@ -102,12 +103,14 @@ namespace
 
   TEST(Team, MovesABlockOfGrainsBeforeOthersAreComputedWithoutChangingABit)
   {
-    // Law: forces of all grains before any moves, or each block as soon as nobody needs it where it is: the same bits.
+    // Law: forces of all grains before any moves, or each block as soon as nobody needs it where it is, with or
+    // without the stress on the way: the same bits.
     for (const bool has_true_masses : {false, true})
       {
         const RevState apart = run_cycles(false, 1, has_true_masses);
         for (const std::size_t n_threads : {1, 2, 3, 4})
-          EXPECT_TRUE(are_equal_bits(run_cycles(true, n_threads, has_true_masses), apart)) << n_threads;
+          for (const bool has_stress : {true, false})
+            EXPECT_TRUE(are_equal_bits(run_cycles(true, n_threads, has_true_masses, has_stress), apart)) << n_threads;
       }
   }
 } // namespace
