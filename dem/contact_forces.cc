@@ -154,14 +154,27 @@ namespace dem
           }
     }
 
+    /** Share of the pairs that belongs to the threads before a thread. */
+    double compute_share_before(const std::size_t number, const std::size_t n_threads)
+    {
+      // The first thread completes its blocks on the way, which takes a fifth of the time of their pairs; nearly all
+      // those of the others wait until all pairs have been computed.
+      constexpr double completion = 0.2;
+      const double others = static_cast<double>(n_threads) - 1., first = 1. / (1. + (1. + completion) * others);
+      return number == 0 ? 0. : first + (1. - first) * (static_cast<double>(number) - 1.) / others;
+    }
+
     /** First block of a thread's share of the pairs. */
     std::size_t find_share(const ContactNetwork &network, const std::size_t number, const std::size_t n_threads)
     {
       if (number == n_threads)
         return network.blocks.size();
-      const auto is_before = [](const GrainBlock &block, const std::size_t pair) { return block.near_begin < pair; };
+      const auto is_before = [](const GrainBlock &block, const double pair) {
+        return static_cast<double>(block.near_begin) < pair;
+      };
       const auto begin = network.blocks.begin(), end = network.blocks.end();
-      return std::lower_bound(begin, end, network.size() * number / n_threads, is_before) - begin;
+      const double pair = compute_share_before(number, n_threads) * static_cast<double>(network.size());
+      return std::lower_bound(begin, end, pair, is_before) - begin;
     }
 
     /** Blocks that pairs of another thread reach into: complete once all pairs have been computed. */
