@@ -271,6 +271,7 @@ namespace apps
     bind_load_tests(binder, bvp.load_tests);
     bind_output(binder, bvp.output);
     bind_coupling(binder, bvp.rev_material);
+    bind_pool(binder, bvp.pool);
     bind_rev_parameters(binder, bvp.rev);
     bind_reference_materials(binder, bvp);
     bind_solver(binder, bvp);

@@ -2,6 +2,7 @@
 
 #include "apps/ground_parameters.h"
 #include "apps/load_test.h"
+#include "apps/pool_parameters.h"
 #include "apps/rev_parameters.h"
 
 #include "coupling/rev_material.h"
@@ -54,6 +55,7 @@ namespace apps
     fem::SteppingParameters stepping;
     RevParameters rev;
     coupling::RevMaterialParameters rev_material;
+    PoolParameters pool;
     fem::ElasticParameters elastic;
     fem::BurgersParameters burgers;
     BvpOutput output;

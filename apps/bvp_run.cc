@@ -1,5 +1,7 @@
 #include "apps/bvp_run.h"
 
+#include "apps/pool_report.h"
+
 #include "dem/stopwatch.h"
 
 #include "fem/checkpoint.h"
@@ -45,6 +47,9 @@ namespace apps
     if (bvp.output.writes_fields)
       fields_ = std::make_unique<fem::FieldOutput>(
           folder_.get_path(), "fields", line.is_resumed ? std::optional(stepping_->get_progress().step) : std::nullopt);
+    if (rev_material_ && bvp.pool.writes_costs)
+      costs_ = std::make_unique<CostFile>(folder_.get_file("costs.csv"), is_first_rank_,
+                                          line.is_resumed ? static_cast<int>(stepping_->get_progress().step) : -1);
   }
 
   template <int dim>
@@ -113,7 +118,7 @@ namespace apps
     parameters.failure_folder = folder_.get_file("failures");
     parameters.is_resumed = line_.is_resumed;
     auto material = std::make_unique<coupling::RevMaterial>(
-        parameters, coupling::RevPool(MPI_COMM_WORLD, !bvp_.is_distributed, line_.n_threads));
+        parameters, coupling::RevPool(MPI_COMM_WORLD, !bvp_.is_distributed, line_.n_threads, bvp_.pool.balance));
     rev_material_ = material.get();
     return material;
   }
@@ -182,6 +187,8 @@ namespace apps
     write_snapshots("end");
     const bool is_finished = result.status == fem::StepStatus::ok;
     write_summary(is_finished ? "finished" : result.message);
+    if (rev_material_)
+      progress_.say(describe_pool(rev_material_->get_pool().get_tally(), tally_.creep_work));
     if (is_finished)
       return 0;
     fem::write_checkpoint(folder_.get_file("checkpoint.h5"), *problem_, stepping_->get_progress());
@@ -229,8 +236,13 @@ namespace apps
   {
     const coupling::RevTotals totals = rev_material_ ? rev_material_->compute_totals() : coupling::RevTotals{};
     write_step(report, totals);
+    record_work(report);
     if (load_tests_)
-      load_tests_->run_due(*problem_, bvp_.stages, stepping_->get_progress());
+      {
+        load_tests_->run_due(*problem_, bvp_.stages, stepping_->get_progress());
+        if (rev_material_)
+          tally_.work_before = rev_material_->get_pool().get_tally(); // theirs is no creep's
+      }
     if (bvp_.stages[report.stage].kind == fem::StageKind::creep)
       {
         ++tally_.creep_steps;
@@ -242,6 +254,19 @@ namespace apps
     progress_.show(fmt::format("{}, step {}, {:.3g} s, {} grains broken", report.stage_name, report.step, report.time,
                                totals.broken_instant + totals.broken_delayed),
                    compute_share_done(report));
+  }
+
+  template <int dim>
+  void BvpRun<dim>::record_work(const fem::StepReport &report)
+  {
+    if (!rev_material_)
+      return;
+    const coupling::WorkTally &now = rev_material_->get_pool().get_tally();
+    if (bvp_.stages[report.stage].kind == fem::StageKind::creep)
+      tally_.creep_work = add(tally_.creep_work, compute_difference(now, tally_.work_before));
+    tally_.work_before = now;
+    if (costs_)
+      costs_->write(report.step, report.stage + 1, report.time, *rev_material_);
   }
 
   template <int dim>
@@ -303,6 +328,7 @@ namespace apps
         summary.wall_s["inside REVs"] = pool.get_working_time();
         summary.wall_s["waiting for other ranks' REVs"] = pool.get_total_time() - pool.get_working_time();
         summary.wall_s["outside REVs"] = total - pool.get_total_time();
+        add_pool_figures(pool.get_tally(), tally_.creep_work, summary);
         summary.figures["share of wall time outside REVs [-]"] = 1. - pool.get_total_time() / total;
       }
     if (std::isfinite(unbalanced_share_))

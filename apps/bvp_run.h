@@ -3,6 +3,7 @@
 #include "apps/bvp_case.h"
 #include "apps/bvp_history.h"
 #include "apps/command_line.h"
+#include "apps/cost_file.h"
 #include "apps/progress.h"
 #include "apps/run_folder.h"
 
@@ -32,6 +33,7 @@ namespace apps
       unsigned int avalanche_rounds = 0, avalanche_evaluations = 0;
       unsigned int cuts = 0, lost_evaluations = 0;
       double largest_residual_share = 0.;
+      coupling::WorkTally work_before, creep_work; ///< of the REVs: until the last step; in creep steps
     };
 
     void prepare_folder() const;
@@ -45,6 +47,7 @@ namespace apps
     void open_history();
     void record(const fem::StepReport &report);
     void write_step(const fem::StepReport &report, const coupling::RevTotals &totals);
+    void record_work(const fem::StepReport &report);
     void record_cut(const fem::CutReport &report);
     void write_initial_row();
     void write_stage_snapshots(unsigned int stage) const;
@@ -66,6 +69,7 @@ namespace apps
     std::unique_ptr<fem::FieldOutput> fields_;
     std::unique_ptr<LoadTests<dim>> load_tests_;                         ///< if there are any
     double unbalanced_share_ = std::numeric_limits<double>::quiet_NaN(); ///< of the untouched ground [-]
+    std::unique_ptr<CostFile> costs_;
     Tally tally_;
     double output_s_ = 0.; ///< wall time of writing [s]
   };

@@ -16,9 +16,9 @@ namespace apps
   namespace
   {
     /** All that a run leaves; nothing else is ever removed. */
-    constexpr const char *entries_of_a_run[] = {"parameters.prm", "history.csv",   "summary.json",  "breakage.csv",
-                                                "jumps.csv",      "fractures.csv", "checkpoint.h5", "snapshots",
-                                                "fields",         "fields.pvd",    "figures",       "failures"};
+    constexpr const char *entries_of_a_run[] = {
+        "parameters.prm", "history.csv", "summary.json", "breakage.csv", "jumps.csv", "fractures.csv", "costs.csv",
+        "checkpoint.h5",  "snapshots",   "fields",       "fields.pvd",   "figures",   "failures"};
     constexpr const char *files_that_mean_a_run[] = {"parameters.prm", "history.csv", "summary.json", "checkpoint.h5"};
 
     [[noreturn]] void fail(const std::string &path, const std::string &cause)

@@ -1,6 +1,7 @@
 #include "coupling/rev_material.h"
 
 #include "coupling/point_package.h"
+#include "coupling/rev_travel.h"
 #include "coupling/tensor_conversion.h"
 
 #include <deal.II/base/mpi.h>
@@ -9,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <filesystem>
 #include <limits>
 #include <stdexcept>
@@ -28,16 +30,35 @@ namespace coupling
             "positive); allowed: < 0",
             site.id, principal[0]));
     }
-
-    Status reduce(const Status status, MPI_Comm communicator)
-    {
-      return static_cast<Status>(dealii::Utilities::MPI::max(static_cast<int>(status), communicator));
-    }
   } // namespace
 
   RevMaterial::RevMaterial(const RevMaterialParameters &parameters, const RevPool &pool)
       : parameters_(parameters), pool_(pool)
-  {}
+  {
+    pool_.set_travel({[this](const PointId id) { return send_away(id); },
+                      [this](const PointId id, std::span<const std::byte> bytes) { receive(id, bytes); }});
+  }
+
+  // Behind the REV goes the number of its failure files, which bear that number in their names.
+  std::vector<std::byte> RevMaterial::send_away(const PointId id)
+  {
+    Point &point = points_.at(id);
+    std::vector<std::byte> bytes = pack_rev(*point.rev);
+    const auto number = std::as_bytes(std::span(&point.n_failures, 1));
+    bytes.insert(bytes.end(), number.begin(), number.end());
+    const std::lock_guard lock(mutex_);
+    departed_profile_ += point.rev->get_profile();
+    point.rev.reset();
+    return bytes;
+  }
+
+  void RevMaterial::receive(const PointId id, std::span<const std::byte> bytes)
+  {
+    Point &point = points_.at(id);
+    const std::size_t length = bytes.size() - sizeof(point.n_failures);
+    point.rev = unpack_rev(make_model(id), bytes.first(length));
+    std::memcpy(&point.n_failures, bytes.data() + length, sizeof(point.n_failures));
+  }
 
   dem::RevModel RevMaterial::make_model(const PointId id) const
   {
@@ -75,7 +96,7 @@ namespace coupling
     stresses.ids = ids;
     pool_.set_points(ids);
     points_.clear();
-    for (const PointId id : pool_.get_local_points())
+    for (const PointId id : pool_.get_points())
       points_[id];
     if (parameters_.is_resumed)
       return;
@@ -90,6 +111,7 @@ namespace coupling
         const PointId id = pool_.get_local_points()[i];
         points_[id].rev = std::make_unique<dem::Rev>(dem::make_rev(make_model(id), packings[i]));
       }
+    stresses.kind = WorkKind::prepare;
     pool_.ask(stresses, 0, [&](const PointId id, std::span<const double> stress, std::span<double>) {
       dem::Rev &rev = *points_.at(id).rev;
       rev = consolidate(rev, to_matrix(take_tensor(stress)), parameters_.consolidation);
@@ -100,15 +122,17 @@ namespace coupling
   double RevMaterial::compute_time_to_next_event(const unsigned int n_cuts) const
   {
     double earliest = std::numeric_limits<double>::infinity();
-    for (const auto &[id, point] : points_)
-      earliest = std::min(earliest, coupling::compute_time_to_next_event(*point.rev, parameters_.ageing, n_cuts));
+    for (const PointId id : pool_.get_local_points())
+      earliest =
+          std::min(earliest, coupling::compute_time_to_next_event(*points_.at(id).rev, parameters_.ageing, n_cuts));
     return dealii::Utilities::MPI::min(earliest, pool_.get_communicator());
   }
 
   bool RevMaterial::can_cut_events(const unsigned int n_cuts) const
   {
-    const bool can_here = std::any_of(points_.begin(), points_.end(), [&](const auto &entry) {
-      return can_cut_batch(*entry.second.rev, parameters_.ageing, n_cuts);
+    const auto &here = pool_.get_local_points();
+    const bool can_here = std::any_of(here.begin(), here.end(), [&](const PointId id) {
+      return can_cut_batch(*points_.at(id).rev, parameters_.ageing, n_cuts);
     });
     return dealii::Utilities::MPI::max(can_here ? 1 : 0, pool_.get_communicator()) > 0;
   }
@@ -129,6 +153,7 @@ namespace coupling
     std::vector<PointId> ids;
     RevPool::Questions questions;
     questions.n_columns = 9;
+    questions.kind = WorkKind::evaluate;
     for (const fem::PointRequest &request : requests)
       {
         ids.push_back(request.id);
@@ -153,10 +178,11 @@ namespace coupling
   {
     fem::Settlement settlement;
     bool is_excessive_here = false;
-    for (auto &[id, point] : points_)
+    for (const PointId id : pool_.get_local_points())
       {
-        point.rev->accept();
-        is_excessive_here |= is_excessive(*point.rev);
+        dem::Rev &rev = *points_.at(id).rev;
+        rev.accept();
+        is_excessive_here |= is_excessive(rev);
       }
     settlement.is_excessive = dealii::Utilities::MPI::max(is_excessive_here ? 1 : 0, pool_.get_communicator()) > 0;
     if (settlement.is_excessive && !accept_excess)
@@ -170,26 +196,26 @@ namespace coupling
   // Asks all REVs something that moves their baselines on.
   Status RevMaterial::change_baselines(const RevQuestion &question, unsigned int &n_broken)
   {
-    std::map<PointId, AgeingReport> reports;
-    for (const PointId id : pool_.get_local_points())
-      reports[id] = {};
-    pool_.for_each_local([&](const PointId id) {
+    const WorkKind kind = question.kind == QuestionKind::age ? WorkKind::age : WorkKind::split;
+    constexpr std::size_t n_columns = 2; // grains broken; whether it has failed
+    const auto rows = pool_.ask_all(kind, n_columns, [&](const PointId id, std::span<double> row) {
       dem::Rev &rev = *points_.at(id).rev;
       const dem::RevState before = rev.get_baseline();
-      reports.at(id) = ask(rev, question, parameters_.ageing);
-      if (reports.at(id).has_failed())
-        report_failure(id, before, question, reports.at(id));
+      const AgeingReport report = ask(rev, question, parameters_.ageing);
+      row[0] = static_cast<double>(report.n_broken);
+      row[1] = report.has_failed() ? 1. : 0.;
+      if (report.has_failed())
+        report_failure(id, before, question, report);
     });
     Status status = Status::ok;
-    unsigned int n_broken_here = 0;
-    for (const auto &[id, report] : reports)
+    n_broken = 0;
+    for (std::size_t at = 0; at < rows.size(); at += n_columns)
       {
-        n_broken_here += static_cast<unsigned int>(report.n_broken);
-        if (report.has_failed())
+        n_broken += static_cast<unsigned int>(rows[at]);
+        if (rows[at + 1] != 0.)
           status = Status::failed;
       }
-    n_broken = dealii::Utilities::MPI::sum(n_broken_here, pool_.get_communicator());
-    return reduce(status, pool_.get_communicator());
+    return status;
   }
 
   void RevMaterial::report_failure(const PointId id, const dem::RevState &before, const RevQuestion &question,
@@ -198,7 +224,7 @@ namespace coupling
     Point &point = points_.at(id);
     if (parameters_.failure_folder.empty() || point.n_failures >= parameters_.n_failure_files)
       return;
-    const std::lock_guard lock(failure_mutex_);
+    const std::lock_guard lock(mutex_);
     std::filesystem::create_directories(parameters_.failure_folder);
     const std::string file = fmt::format("{}/point_{}_{}.h5", parameters_.failure_folder, id, ++point.n_failures);
     write_failure(file, {make_model(id), before, question, parameters_.ageing, describe(report)});
@@ -206,14 +232,15 @@ namespace coupling
 
   void RevMaterial::commit()
   {
-    for (auto &[id, point] : points_)
-      point.rev->commit();
+    for (const PointId id : pool_.get_local_points())
+      points_.at(id).rev->commit();
+    pool_.close_step();
     update_fields();
   }
 
   void RevMaterial::revert()
   {
-    for (auto &[id, point] : points_)
-      point.rev->revert();
+    for (const PointId id : pool_.get_local_points())
+      points_.at(id).rev->revert();
   }
 } // namespace coupling

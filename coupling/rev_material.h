@@ -40,6 +40,8 @@ namespace coupling
   {
   public:
     RevMaterial(const RevMaterialParameters &parameters, const RevPool &pool);
+    RevMaterial(const RevMaterial &) = delete; // the pool knows how to fetch this one's REVs
+    RevMaterial &operator=(const RevMaterial &) = delete;
 
     /** Makes and consolidates the REVs. Throws std::invalid_argument for an initial stress that is not compressive,
      *  std::runtime_error for a REV that finds no equilibrium. */
@@ -78,9 +80,12 @@ namespace coupling
   private:
     struct Point
     {
-      std::unique_ptr<dem::Rev> rev;
-      unsigned int n_failures = 0;
+      std::unique_ptr<dem::Rev> rev; ///< null while it lives on another rank
+      unsigned int n_failures = 0;   ///< seen here
     };
+
+    std::vector<std::byte> send_away(PointId id);
+    void receive(PointId id, std::span<const std::byte> bytes);
 
     dem::RevModel make_model(PointId id) const;
     std::vector<dem::Matrix> bring_home(const RevPool::Questions &stresses) const;
@@ -91,9 +96,10 @@ namespace coupling
 
     RevMaterialParameters parameters_;
     RevPool pool_;
-    std::map<PointId, Point> points_; ///< those that live here
+    std::map<PointId, Point> points_; ///< all, so that one REV can come while another one is worked on
+    dem::Profile departed_profile_;   ///< of REVs that have left: their time was spent here
     std::vector<double> fields_;      ///< of all points, by get_field_names(), after the last commit
     std::uint64_t n_evaluations_ = 0;
-    std::mutex failure_mutex_; // HDF5 is not thread-safe
+    std::mutex mutex_; // of failure files, since HDF5 is not thread-safe, and of what REVs leave behind
   };
 } // namespace coupling

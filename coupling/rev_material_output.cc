@@ -24,6 +24,7 @@ namespace coupling
       broken_delayed,
       grains,
       cycles,
+      cost,
       n_fields
     };
 
@@ -72,13 +73,16 @@ namespace coupling
   std::vector<std::string> RevMaterial::get_field_names() const
   {
     return {"void ratio [-]",     "void ratio with fines [-]", "coordination [-]", "time to fracture [s]",
-            "broken at once [-]", "broken delayed [-]",        "grains [-]",       "cycles [-]"};
+            "broken at once [-]", "broken delayed [-]",        "grains [-]",       "cycles [-]",
+            "REV cost [s]"};
   }
 
   void RevMaterial::update_fields()
   {
     fields_ = pool_.collect(n_fields,
                             [&](const PointId id, std::span<double> row) { fill_fields(*points_.at(id).rev, row); });
+    for (std::size_t i = 0; i < pool_.get_points().size(); ++i)
+      fields_[i * n_fields + cost] = pool_.get_step_costs()[i];
   }
 
   std::vector<double> RevMaterial::compute_fields(const PointId id) const
@@ -106,7 +110,7 @@ namespace coupling
 
   dem::Profile RevMaterial::compute_local_profile() const
   {
-    dem::Profile profile;
+    dem::Profile profile = departed_profile_;
     for (const PointId id : pool_.get_local_points())
       profile += points_.at(id).rev->get_profile();
     return profile;
@@ -130,11 +134,12 @@ namespace coupling
   void RevMaterial::write_snapshots(const std::string &prefix, const std::string &suffix) const
   {
     pool_.agree([&]() {
-      for (const auto &[id, point] : points_)
+      for (const PointId id : pool_.get_local_points())
         {
-          const dem::RevState &state = point.rev->get_committed();
+          const dem::Rev &rev = *points_.at(id).rev;
+          const dem::RevState &state = rev.get_committed();
           dem::write_snapshot(fmt::format("{}_{}_{}.h5", prefix, id, suffix), state,
-                              dem::list_contacts(state, point.rev->get_law()), {parameters_.model.identity.seed, id});
+                              dem::list_contacts(state, rev.get_law()), {parameters_.model.identity.seed, id});
         }
     });
   }
@@ -145,8 +150,8 @@ namespace coupling
     for (const PointId id : pool_.get_points())
       {
         std::vector<std::byte> bytes;
-        if (const auto here = points_.find(id); here != points_.end())
-          bytes = dem::serialise(here->second.rev->get_committed());
+        if (pool_.get_owner(id) == pool_.get_rank())
+          bytes = dem::serialise(points_.at(id).rev->get_committed());
         bytes = send_to_first(std::move(bytes), pool_.get_owner(id), pool_);
         pool_.agree([&]() {
           if (pool_.get_rank() == 0)
@@ -158,12 +163,12 @@ namespace coupling
   void RevMaterial::load(const std::string &file)
   {
     pool_.agree([&]() {
-      for (auto &[id, point] : points_)
+      for (const PointId id : pool_.get_local_points())
         {
           const auto bytes = dem::read_bytes(file, name_dataset(id));
           try
             {
-              point.rev = std::make_unique<dem::Rev>(make_model(id), dem::deserialise(bytes));
+              points_.at(id).rev = std::make_unique<dem::Rev>(make_model(id), dem::deserialise(bytes));
             }
           catch (const std::runtime_error &error)
             {

@@ -43,8 +43,11 @@ namespace dem
     }
   } // namespace
 
-  Rev::Rev(const RevModel &model, const RevState &state)
-      : model_(model), law_(make_contact_law(model.material)), committed_(state), baseline_(state), trial_(state)
+  Rev::Rev(const RevModel &model, const RevState &state) : Rev(model, state, state) {}
+
+  Rev::Rev(const RevModel &model, const RevState &committed, const RevState &baseline)
+      : model_(model), law_(make_contact_law(model.material)), committed_(committed), baseline_(baseline),
+        trial_(baseline)
   {}
 
   void Rev::copy(const RevState &from, RevState &to)

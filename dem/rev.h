@@ -42,6 +42,9 @@ namespace dem
     /** All three states are `state`. */
     Rev(const RevModel &model, const RevState &state);
 
+    /** A REV in the middle of a step; trial = baseline. */
+    Rev(const RevModel &model, const RevState &committed, const RevState &baseline);
+
     /** Trial = baseline strained by a symmetric stretch, at rest again. A stretch that the grid does not tell from one
      *  runs no cycle and keeps every bit of the grains. */
     RestReport deform(const Matrix &stretch);

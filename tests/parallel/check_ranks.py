@@ -1,6 +1,7 @@
-"""Law: history.csv is the same, byte for byte, on 1, 2 and 4 ranks, and with threads."""
+"""Law: history.csv is the same, byte for byte, on 1, 2 and 4 ranks, and with threads, whether REVs move between ranks or not."""
 
 import argparse
+import json
 import subprocess
 import sys
 import tempfile
@@ -15,11 +16,19 @@ import small_case  # noqa: E402
 def check_histories(build, folder):
     case = small_case.write_case(folder)
     histories = {}
-    for name, n_ranks, options in (("1 rank", 1, ()), ("2 ranks", 2, ()), ("4 ranks", 4, ()),
-                                   ("1 rank, 3 threads", 1, ("--threads", 3))):
+    stay = ("--set", "REVs/Move between ranks=false")
+    # These REVs are cheap: without a limit they move more often, and everything is balanced in each step.
+    move = ("--set", "REVs/Smallest cost to move=0", "--set", "REVs/Balance tolerance=0")
+    for name, n_ranks, options in (("1 rank", 1, ()), ("2 ranks", 2, move), ("4 ranks", 4, move),
+                                   ("1 rank, 3 threads", 1, ("--threads", 3)),
+                                   ("2 ranks, 2 threads", 2, ("--threads", 2, *move)),
+                                   ("2 ranks, REVs stay", 2, stay), ("4 ranks, REVs stay", 4, stay)):
         output = Path(folder) / name.replace(" ", "_")
         small_case.run(build, n_ranks, case, "--output", output, *options)
         histories[name] = (output / "history.csv").read_bytes()
+        moved = json.loads((output / "summary.json").read_text())["figures"]["REVs that changed their rank"]
+        if (moved > 0) != (options[-2:] == move[-2:]):  # moves that never happen would prove nothing
+            raise AssertionError(f"{name}: {moved:g} REVs changed their rank")
     one = histories["1 rank"]
     lines = one.decode().splitlines()
     broken = sum(int(value) for value in lines[-1].split(",")[5:7])
@@ -30,14 +39,14 @@ def check_histories(build, folder):
             differing = next((i for i, (a, b) in enumerate(zip(lines, history.decode().splitlines())) if a != b), None)
             raise AssertionError(f"{name}: history.csv differs from that of 1 rank, first in line "
                                  f"{differing + 1 if differing is not None else 'none: lengths differ'}")
-    print(f"{len(lines) - 1} rows, {broken} grains broken: the same bytes on 1, 2, 4 ranks and 3 threads")
+    print(f"{len(lines) - 1} rows, {broken} grains broken: the same bytes on 1, 2, 4 ranks and with threads, REVs moving or not")
 
 
 def check_unit_tests(build):
     """The tests of the coupling hold on several ranks, too."""
     for n_ranks in (2, 3):
         subprocess.run(["mpirun", "-np", str(n_ranks), str(Path(build) / "tests" / "unit_coupling"),
-                        "--gtest_filter=RevPool*:RevMaterial*"], env=small_case.make_environment(), check=True,
+                        "--gtest_filter=RevPool*:RevMaterial*:RevTravel*:Balance*"], env=small_case.make_environment(), check=True,
                        timeout=200, stdout=subprocess.DEVNULL)
 
 

@@ -10,20 +10,30 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <map>
 
 namespace
 {
   using coupling::RevMaterial;
   using fem::Status;
 
-  /** All committed states that live here. */
-  std::map<fem::PointId, std::vector<std::byte>> copy_states(const RevMaterial &material)
+  /** A checksum of each committed state, wherever it lives: REVs may have moved meanwhile. */
+  std::vector<double> sum_up_states(const RevMaterial &material)
   {
-    std::map<fem::PointId, std::vector<std::byte>> states;
-    for (const fem::PointId id : material.get_pool().get_local_points())
-      states[id] = dem::serialise(material.get_local_rev(id).get_committed());
-    return states;
+    return material.get_pool().collect(1, [&](const fem::PointId id, std::span<double> row) {
+      std::uint64_t sum = 14695981039346656037u; // FNV-1a
+      for (const std::byte byte : dem::serialise(material.get_local_rev(id).get_committed()))
+        sum = (sum ^ static_cast<std::uint64_t>(byte)) * 1099511628211u;
+      row[0] = static_cast<double>(sum >> 11); // as many bits as a double holds
+    });
+  }
+
+  /** All fields but what the point cost. */
+  std::vector<double> compute_fields_without_cost(const RevMaterial &material, const fem::PointId id)
+  {
+    EXPECT_EQ(material.get_field_names().back(), "REV cost [s]");
+    std::vector<double> fields = material.compute_fields(id);
+    fields.pop_back();
+    return fields;
   }
 
   std::vector<fem::PointResponse> strain(RevMaterial &material, const double axial)
@@ -67,7 +77,7 @@ TEST(RevMaterial, RevertReturnsEveryBit)
 {
   RevMaterial material(rev_sample::make_parameters(), rev_sample::make_pool());
   material.initialise(rev_sample::make_sites());
-  const auto before = copy_states(material);
+  const auto before = sum_up_states(material);
   const auto first = strain(material, -1e-3);
   EXPECT_EQ(strain(material, -5e-3)[0].status, Status::ok);
   material.settle(true);
@@ -75,7 +85,7 @@ TEST(RevMaterial, RevertReturnsEveryBit)
   const auto between = strain(material, -1e-3);
   EXPECT_FALSE(first[0].stress == between[0].stress); // the baseline had moved on
   material.revert();
-  EXPECT_EQ(copy_states(material), before);
+  EXPECT_EQ(sum_up_states(material), before);
   const auto second = strain(material, -1e-3);
   for (int i = 0; i < 2; ++i)
     EXPECT_TRUE(first[i].stress == second[i].stress);
@@ -98,8 +108,8 @@ TEST(RevMaterial, SaveAndLoadReturnEveryBit)
   RevMaterial other(parameters, rev_sample::make_pool());
   other.initialise(rev_sample::make_sites());
   other.load(file);
-  EXPECT_EQ(copy_states(other), copy_states(material));
-  EXPECT_EQ(other.compute_fields(8), material.compute_fields(8));
+  EXPECT_EQ(sum_up_states(other), sum_up_states(material));
+  EXPECT_EQ(compute_fields_without_cost(other, 8), compute_fields_without_cost(material, 8));
   const auto here = strain(material, -1e-3), there = strain(other, -1e-3);
   for (int i = 0; i < 2; ++i)
     EXPECT_TRUE(here[i].stress == there[i].stress);
