@@ -3,13 +3,12 @@
 #include "coupling/rev_material.h"
 #include "coupling/tensor_conversion.h"
 
+#include "tests/support/scratch_folder.h"
 #include "tests/unit/coupling/rev_sample.h"
 
 #include "dem/snapshot.h"
 
 #include <gtest/gtest.h>
-
-#include <filesystem>
 
 namespace
 {
@@ -44,18 +43,6 @@ namespace
     std::vector<fem::PointResponse> responses(2);
     material.evaluate(requests, responses, false);
     return responses;
-  }
-
-  std::string make_folder()
-  {
-    const std::string folder = testing::TempDir() + "slowsand_rev_material";
-    if (dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
-      {
-        std::filesystem::remove_all(folder);
-        std::filesystem::create_directories(folder);
-      }
-    MPI_Barrier(MPI_COMM_WORLD);
-    return folder;
   }
 } // namespace
 
@@ -93,7 +80,8 @@ TEST(RevMaterial, RevertReturnsEveryBit)
 
 TEST(RevMaterial, SaveAndLoadReturnEveryBit)
 {
-  const std::string file = make_folder() + "/checkpoint.h5";
+  const ScratchFolder folder;
+  const std::string file = folder.get_file("checkpoint.h5");
   RevMaterial material(rev_sample::make_parameters(), rev_sample::make_pool());
   material.initialise(rev_sample::make_sites());
   strain(material, -3e-3);
@@ -117,7 +105,8 @@ TEST(RevMaterial, SaveAndLoadReturnEveryBit)
 
 TEST(RevMaterial, LoadNamesFileAndDatasetOfWhatIsMissing)
 {
-  const std::string file = make_folder() + "/empty.h5";
+  const ScratchFolder folder;
+  const std::string file = folder.get_file("empty.h5");
   RevMaterial material(rev_sample::make_parameters(), rev_sample::make_pool());
   material.initialise(rev_sample::make_sites());
   if (material.get_pool().get_rank() == 0)
@@ -138,10 +127,11 @@ TEST(RevMaterial, LoadNamesFileAndDatasetOfWhatIsMissing)
 TEST(RevMaterial, FailureIsAStatusAndAFileThatFailsAgain)
 {
   auto parameters = rev_sample::make_parameters();
-  parameters.failure_folder = make_folder() + "/failures";
+  const ScratchFolder folder;
+  parameters.failure_folder = folder.get_file("failures");
   RevMaterial sound(parameters, rev_sample::make_pool());
   sound.initialise(rev_sample::make_sites());
-  const std::string checkpoint = make_folder() + "/state.h5";
+  const std::string checkpoint = folder.get_file("state.h5");
   if (sound.get_pool().get_rank() == 0)
     dem::create_file(checkpoint);
   sound.save(checkpoint);

@@ -2,6 +2,7 @@
 #include "fem/hdf5_file.h"
 #include "fem/viscoelastic_material.h"
 #include "tests/support/fem_cases.h"
+#include "tests/support/scratch_folder.h"
 
 #include <gtest/gtest.h>
 
@@ -12,25 +13,11 @@ using namespace fem::cases;
 
 namespace
 {
-  /** A folder of this test alone, the same on every rank. */
   class Checkpoint : public ::testing::Test
   {
   protected:
-    void SetUp() override
-    {
-      if (dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
-        std::filesystem::create_directories(folder);
-      MPI_Barrier(MPI_COMM_WORLD);
-    }
-
-    void TearDown() override
-    {
-      MPI_Barrier(MPI_COMM_WORLD);
-      if (dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
-        std::filesystem::remove_all(folder);
-    }
-
-    const std::string folder = (std::filesystem::temp_directory_path() / "slowsand_test_checkpoint").string();
+    const ScratchFolder scratch;
+    const std::string folder = scratch.get_path();
     const std::string file = folder + "/checkpoint.h5";
   };
 

@@ -1,9 +1,9 @@
 #include "fem/field_output.h"
 #include "tests/support/fem_cases.h"
+#include "tests/support/scratch_folder.h"
 
 #include <gtest/gtest.h>
 
-#include <filesystem>
 #include <fstream>
 #include <sstream>
 
@@ -33,7 +33,8 @@ TEST(FieldOutput, WritesASeriesThatIsValidAfterEachOutputAndResumes)
 {
   // Law: the .pvd lists every output with its time and its file exists; a resumed series drops what came after, also
   // where time stands still.
-  const std::string folder = (std::filesystem::temp_directory_path() / "slowsand_test_field_output").string();
+  const ScratchFolder scratch;
+  const std::string folder = scratch.get_path();
   const bool is_first = dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0;
   Oedometer oedometer;
   LoadStepping<2> stepping(oedometer.problem, {get_load_stage(1e6)}, {});
@@ -63,7 +64,4 @@ TEST(FieldOutput, WritesASeriesThatIsValidAfterEachOutputAndResumes)
           EXPECT_EQ(count(part, "displacement_m"), 1u);
         }
     }
-  MPI_Barrier(MPI_COMM_WORLD);
-  if (is_first)
-    std::filesystem::remove_all(folder);
 }

@@ -1,10 +1,10 @@
 #include "tests/support/fem_cases.h"
+#include "tests/support/scratch_folder.h"
 
 #include <deal.II/grid/grid_tools.h>
 
 #include <gtest/gtest.h>
 
-#include <filesystem>
 #include <fstream>
 
 using namespace fem;
@@ -90,11 +90,9 @@ TEST(MeshInput, BadFilesAndNumbersAreNamed)
   // Law: what cannot be a mesh is refused with file or parameter, value and range.
   EXPECT_EQ(get_error(from_file("/nowhere/mesh.msh")), "/nowhere/mesh.msh: cannot be opened");
 
-  const auto folder =
-      std::filesystem::temp_directory_path() /
-      ("slowsand_test_mesh_input_" + std::to_string(dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD)));
-  std::filesystem::create_directories(folder);
-  const std::string file = (folder / "bad.msh").string();
+  const ScratchFolder folder;
+  const unsigned int rank = dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD);
+  const std::string file = folder.get_file("bad_" + std::to_string(rank) + ".msh");
   std::ofstream(file) << "$PhysicalNames\n2\n1 1 \"top\"\nnonsense\n";
   EXPECT_EQ(get_error(from_file(file)), file + ":4: expected: dimension number \"name\"");
   std::ofstream(file) << "no mesh at all\n";
@@ -102,7 +100,6 @@ TEST(MeshInput, BadFilesAndNumbersAreNamed)
   std::ofstream(file)
       << "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n1 1 \"top\"\n$EndPhysicalNames\n$Nodes\n4";
   EXPECT_NE(get_error(from_file(file)).find(file + ": not a gmsh"), std::string::npos);
-  std::filesystem::remove_all(folder);
 
   MeshParameters cylinder;
   cylinder.kind = MeshKind::cylinder;
