@@ -1,6 +1,7 @@
 #pragma once
 
 #include <ctime>
+#include <functional>
 
 namespace coupling
 {
@@ -11,4 +12,7 @@ namespace coupling
     clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
     return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
   }
+
+  /** What costs are measured with: time that the calling thread has used since any moment [s]. */
+  using CostClock = std::function<double()>;
 } // namespace coupling

@@ -1,7 +1,5 @@
 #include "coupling/rev_pool.h"
 
-#include "coupling/cpu_clock.h"
-
 #include "dem/stopwatch.h"
 
 #include <algorithm>
@@ -162,13 +160,13 @@ namespace coupling
     std::vector<double> rows;
     std::mutex mutex;
     const auto work = [&](const WaitingRev &rev) {
-      const double start = measure_thread_seconds();
+      const double start = clock_();
       std::vector<double> row(n_head_columns + n_columns, unknown);
       respond(rev.id,
               std::span<const double>(questions.rows).subspan(rev.question * questions.n_columns, questions.n_columns),
               std::span<double>(row).subspan(n_head_columns));
       row[0] = static_cast<double>(rev.question);
-      row[1] = measure_thread_seconds() - start;
+      row[1] = clock_() - start;
       const std::lock_guard lock(mutex);
       rows.insert(rows.end(), row.begin(), row.end());
     };
@@ -195,12 +193,12 @@ namespace coupling
           waiting.push_back({questions.ids[i], i, expected[i]});
       }
     if (!can_share(questions, expected))
-      return run_workers(waiting, n_threads_, work);
+      return run_workers(waiting, n_threads_, clock_, work);
     std::vector<unsigned int> victims;
     for (const std::size_t victim : sort_by_cost(loads))
       if (victim != rank_)
         victims.push_back(static_cast<unsigned int>(victim));
-    return WorkSharing(communicator_, n_threads_, rule_.smallest_cost, travel_)
+    return WorkSharing(communicator_, n_threads_, rule_.smallest_cost, travel_, clock_)
         .run(waiting, victims, questions.ids, work);
   }
 
@@ -303,7 +301,7 @@ namespace coupling
     for (const PointId id : local_points_)
       waiting.push_back({id, 0, 0.});
     agree([&]() {
-      const PhaseReport report = run_workers(waiting, n_threads_, [&](const WaitingRev &rev) { work(rev.id); });
+      const PhaseReport report = run_workers(waiting, n_threads_, clock_, [&](const WaitingRev &rev) { work(rev.id); });
       working_s_ += report.wall_s;
       if (report.failure)
         std::rethrow_exception(report.failure);

@@ -49,6 +49,9 @@ namespace coupling
     /** How REVs travel; without it they stay. */
     void set_travel(const Travel &travel) { travel_ = travel; }
 
+    /** Costs are processor time unless another clock is given, one that a test foresees. */
+    void set_clock(const CostClock &clock) { clock_ = clock; }
+
     /** Deals out the points of all ranks. @param introduced  those of this rank's part of the mesh, in any order */
     void set_points(const std::vector<PointId> &introduced);
 
@@ -133,6 +136,7 @@ namespace coupling
     unsigned int n_threads_, n_ranks_, rank_;
     BalanceRule rule_;
     Travel travel_;
+    CostClock clock_ = measure_thread_seconds;
     std::vector<PointId> points_, local_points_;
     std::map<PointId, std::size_t> index_;
     std::vector<unsigned int> owners_;

@@ -1,7 +1,5 @@
 #include "coupling/work_sharing.h"
 
-#include "coupling/cpu_clock.h"
-
 #include "dem/stopwatch.h"
 
 #include <algorithm>
@@ -37,8 +35,9 @@ namespace coupling
   } // namespace
 
   WorkSharing::WorkSharing(MPI_Comm communicator, const unsigned int n_workers, const double smallest_cost,
-                           const Travel &travel)
-      : communicator_(communicator), n_workers_(n_workers), smallest_cost_(smallest_cost), travel_(travel)
+                           const Travel &travel, const CostClock &clock)
+      : communicator_(communicator), n_workers_(n_workers), smallest_cost_(smallest_cost), travel_(travel),
+        clock_(clock)
   {}
 
   PhaseReport WorkSharing::run(const std::vector<WaitingRev> &waiting, const std::vector<unsigned int> &victims,
@@ -58,7 +57,7 @@ namespace coupling
   // A worker: what was taken over first, since another rank waits for it no longer.
   void WorkSharing::work_through(const Work &work)
   {
-    const double start = measure_thread_seconds();
+    const double start = clock_();
     double wall_s = 0.;
     std::unique_lock lock(mutex_);
     while (!is_over_)
@@ -87,7 +86,7 @@ namespace coupling
             keep_failure();
           }
       }
-    record_worker(measure_thread_seconds() - start, wall_s, report_);
+    record_worker(clock_() - start, wall_s, report_);
   }
 
   void WorkSharing::keep_failure()
@@ -224,14 +223,14 @@ namespace coupling
       }
   }
 
-  PhaseReport run_workers(const std::vector<WaitingRev> &waiting, const unsigned int n_workers,
+  PhaseReport run_workers(const std::vector<WaitingRev> &waiting, const unsigned int n_workers, const CostClock &clock,
                           const WorkSharing::Work &work)
   {
     PhaseReport report;
     std::atomic<std::size_t> next = 0;
     std::mutex mutex;
     const auto run = [&]() {
-      const double start = measure_thread_seconds();
+      const double start = clock();
       const dem::Clock::time_point wall_start = dem::Clock::now();
       for (std::size_t i = next++; i < waiting.size(); i = next++)
         try
@@ -244,7 +243,7 @@ namespace coupling
             report.failure = report.failure ? report.failure : std::current_exception();
           }
       const std::lock_guard lock(mutex);
-      record_worker(measure_thread_seconds() - start, dem::measure_seconds_since(wall_start), report);
+      record_worker(clock() - start, dem::measure_seconds_since(wall_start), report);
     };
     std::vector<std::jthread> threads;
     for (unsigned int t = 1; t < std::min<std::size_t>(n_workers, waiting.size()); ++t)

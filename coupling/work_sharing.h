@@ -1,5 +1,6 @@
 #pragma once
 
+#include "coupling/cpu_clock.h"
 #include "coupling/migration.h"
 
 #include <condition_variable>
@@ -45,7 +46,8 @@ namespace coupling
     using Work = std::function<void(const WaitingRev &)>;
 
     /** @param n_workers  threads of this rank, >= 1 @param smallest_cost  of a REV that is given away [s] */
-    WorkSharing(MPI_Comm communicator, unsigned int n_workers, double smallest_cost, const Travel &travel);
+    WorkSharing(MPI_Comm communicator, unsigned int n_workers, double smallest_cost, const Travel &travel,
+                const CostClock &clock);
 
     /**
      * Collective.
@@ -70,6 +72,7 @@ namespace coupling
     unsigned int n_workers_;
     double smallest_cost_;
     const Travel &travel_;
+    const CostClock &clock_;
 
     std::mutex mutex_; // of all that follows
     std::condition_variable for_workers_, for_clerk_;
@@ -85,6 +88,6 @@ namespace coupling
   /**
    * The same without other ranks: the REVs that wait here, by so many threads, of which the calling one is the first.
    */
-  PhaseReport run_workers(const std::vector<WaitingRev> &waiting, unsigned int n_workers,
+  PhaseReport run_workers(const std::vector<WaitingRev> &waiting, unsigned int n_workers, const CostClock &clock,
                           const WorkSharing::Work &work);
 } // namespace coupling

@@ -46,7 +46,7 @@ def check_unit_tests(build):
     """The tests of the coupling hold on several ranks, too."""
     for n_ranks in (2, 3):
         subprocess.run(["mpirun", "-np", str(n_ranks), str(Path(build) / "tests" / "unit_coupling"),
-                        "--gtest_filter=RevPool*:RevMaterial*:RevTravel*:Balance*"], env=small_case.make_environment(), check=True,
+                        "--gtest_filter=RevPool*:MovingRevs*:RevMaterial*:RevTravel*:Balance*"], env=small_case.make_environment(), check=True,
                        timeout=200, stdout=subprocess.DEVNULL)
 
 
