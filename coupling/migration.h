@@ -19,7 +19,7 @@ namespace coupling
   /** How a REV leaves a rank and comes to another one. Both are called for one REV at a time. */
   struct Travel
   {
-    std::function<std::vector<std::byte>(PointId)> pack; ///< the REV is here no longer, unless it throws
+    std::function<std::vector<std::byte>(PointId)> pack; ///< the REV is here no longer, unless it throws; never empty
     std::function<void(PointId, const std::vector<std::byte> &)> unpack; ///< the REV is here from now on
   };
 
@@ -28,6 +28,9 @@ namespace coupling
    *
    * @param points  of the places that the moves name
    * @return bytes sent by all ranks together
+   *
+   * If a REV cannot be packed or unpacked, the others are moved all the same, so that no rank waits for a message that
+   * never comes; then its rank throws the first cause. The others hear of it through RevPool::agree().
    */
   std::uint64_t migrate(std::span<const Move> moves, std::span<const PointId> points, const Travel &travel,
                         MPI_Comm communicator);

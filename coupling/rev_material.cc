@@ -55,6 +55,8 @@ namespace coupling
   void RevMaterial::receive(const PointId id, std::span<const std::byte> bytes)
   {
     Point &point = points_.at(id);
+    if (bytes.size() < sizeof(point.n_failures))
+      throw std::runtime_error("a REV that changed its rank came without its end");
     const std::size_t length = bytes.size() - sizeof(point.n_failures);
     point.rev = unpack_rev(make_model(id), bytes.first(length));
     std::memcpy(&point.n_failures, bytes.data() + length, sizeof(point.n_failures));

@@ -2,6 +2,8 @@
 
 #include "dem/stopwatch.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -46,6 +48,20 @@ namespace coupling
       return gathered;
     }
 
+    /** Runs something; says what it was that failed. */
+    template <typename Work>
+    auto name_failures(const std::string &what, const Work &work)
+    {
+      try
+        {
+          return work();
+        }
+      catch (const std::exception &error)
+        {
+          throw std::runtime_error(fmt::format("{}: {}", what, std::string(error.what())));
+        }
+    }
+
     void smooth(double &expected, const double measured)
     {
       expected = std::isnan(expected) ? measured : 0.5 * (expected + measured);
@@ -66,6 +82,18 @@ namespace coupling
     tally_.n_workers = n_threads_;
     tally_.work_s.assign(n_ranks_, 0.);
     tally_.idle_s.assign(n_ranks_, 0.);
+  }
+
+  void RevPool::set_travel(const Travel &travel)
+  {
+    travel_.pack = [rank = rank_, pack = travel.pack](const PointId id) {
+      return name_failures(fmt::format("the REV of point {} cannot leave rank {}", id, rank),
+                           [&]() { return pack(id); });
+    };
+    travel_.unpack = [rank = rank_, unpack = travel.unpack](const PointId id, const std::vector<std::byte> &bytes) {
+      name_failures(fmt::format("the REV of point {} has not arrived whole on rank {}", id, rank),
+                    [&]() { unpack(id, bytes); });
+    };
   }
 
   void RevPool::set_points(const std::vector<PointId> &introduced)

@@ -46,8 +46,8 @@ namespace coupling
      */
     RevPool(MPI_Comm communicator, bool is_replicated, unsigned int n_threads, const BalanceRule &rule = {});
 
-    /** How REVs travel; without it they stay. */
-    void set_travel(const Travel &travel) { travel_ = travel; }
+    /** How REVs travel; without it they stay. What it throws is told with the REV and the rank where it happened. */
+    void set_travel(const Travel &travel);
 
     /** Costs are processor time unless another clock is given, one that a test foresees. */
     void set_clock(const CostClock &clock) { clock_ = clock; }

@@ -9,6 +9,8 @@
 #include <map>
 #include <mutex>
 #include <numeric>
+#include <stdexcept>
+#include <utility>
 #include <vector>
 
 /** REVs without grains, to see what moves between ranks and when. */
@@ -44,6 +46,10 @@ namespace counting_revs
     /** The first rank's answers wait until one of its REVs has left it: idle ranks must have come for work by then. */
     void wait_for_a_departure() { is_waiting_ = pool_.get_rank() == 0 && pool_.get_n_ranks() > 1; }
 
+    /** The next REV that leaves this rank, or comes to it, does not succeed. */
+    void fail_once_in_packing() { fails_in_packing_ = true; }
+    void fail_once_in_unpacking() { fails_in_unpacking_ = true; }
+
     std::vector<double> ask()
     {
       return pool_.ask_all(coupling::WorkKind::evaluate, 2, [&](const PointId id, std::span<double> row) {
@@ -71,17 +77,23 @@ namespace counting_revs
   private:
     std::vector<std::byte> pack(const PointId id)
     {
+      {
+        const std::lock_guard lock(mutex_);
+        has_departed_ = true;
+        for_departure_.notify_all();
+      }
+      if (std::exchange(fails_in_packing_, false))
+        throw std::runtime_error("it is too heavy");
       std::vector<std::byte> bytes(1 + 1000 * id); // different lengths, beyond what MPI buffers
       bytes[0] = static_cast<std::byte>(counts_.at(id));
       counts_.at(id) = absent;
-      const std::lock_guard lock(mutex_);
-      has_departed_ = true;
-      for_departure_.notify_all();
       return bytes;
     }
 
     void unpack(const PointId id, const std::vector<std::byte> &bytes)
     {
+      if (std::exchange(fails_in_unpacking_, false))
+        throw std::runtime_error("it has lost a grain");
       EXPECT_EQ(bytes.size(), 1 + 1000 * id);
       EXPECT_EQ(counts_.at(id), absent);
       counts_.at(id) = static_cast<int>(bytes.at(0));
@@ -99,6 +111,6 @@ namespace counting_revs
     std::map<PointId, int> counts_;
     std::mutex mutex_;
     std::condition_variable for_departure_;
-    bool is_waiting_ = false, has_departed_ = false;
+    bool is_waiting_ = false, has_departed_ = false, fails_in_packing_ = false, fails_in_unpacking_ = false;
   };
 } // namespace counting_revs

@@ -88,3 +88,57 @@ TEST(MovingRevs, TallyIsThatOfTheWork)
     }
   EXPECT_NEAR(tally.compute_efficiency(), (dear + (n_ranks - 1) * cheap) / (n_ranks * dear), rounding);
 }
+
+namespace
+{
+  /** What all ranks are told. */
+  std::string get_failure(CountingRevs &revs)
+  {
+    try
+      {
+        revs.ask();
+        revs.get_pool().close_step();
+      }
+    catch (const std::runtime_error &error)
+      {
+        return error.what();
+      }
+    return "";
+  }
+
+  // Whether REVs are taken over in mid-phase or migrate between steps.
+  constexpr coupling::BalanceRule taking_over{true, 0., 1e9}, migrating{true, 1e9, 0.1};
+} // namespace
+
+TEST(MovingRevs, OneThatCannotLeaveEndsTheJobOnAllRanks)
+{
+  if (dealii::Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD) == 1)
+    GTEST_SKIP() << "nothing moves on one rank";
+  for (const coupling::BalanceRule &rule : {taking_over, migrating})
+    {
+      CountingRevs revs(rule, 1);
+      if (rule.smallest_cost == 0.) // else nobody leaves before the step is closed
+        revs.wait_for_a_departure();
+      if (revs.get_pool().get_rank() == 0)
+        revs.fail_once_in_packing();
+      const std::string failure = get_failure(revs);
+      EXPECT_NE(failure.find("the REV of point "), std::string::npos) << failure;
+      EXPECT_NE(failure.find(" cannot leave rank 0: it is too heavy"), std::string::npos) << failure;
+    }
+}
+
+TEST(MovingRevs, OneThatDoesNotArriveWholeEndsTheJobOnAllRanks)
+{
+  if (dealii::Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD) == 1)
+    GTEST_SKIP() << "nothing moves on one rank";
+  for (const coupling::BalanceRule &rule : {taking_over, migrating})
+    {
+      CountingRevs revs(rule, 1);
+      if (rule.smallest_cost == 0.) // else nobody leaves before the step is closed
+        revs.wait_for_a_departure();
+      revs.fail_once_in_unpacking(); // on whatever rank
+      const std::string failure = get_failure(revs);
+      EXPECT_NE(failure.find("the REV of point "), std::string::npos) << failure;
+      EXPECT_NE(failure.find(": it has lost a grain"), std::string::npos) << failure;
+    }
+}
