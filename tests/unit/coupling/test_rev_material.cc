@@ -120,7 +120,11 @@ TEST(RevMaterial, LoadNamesFileAndDatasetOfWhatIsMissing)
   catch (const std::runtime_error &error)
     {
       EXPECT_NE(std::string(error.what()).find(file), std::string::npos) << error.what();
-      EXPECT_NE(std::string(error.what()).find("/material/points/3"), std::string::npos) << error.what();
+      // Either point's: both are missing, REVs may have moved, and the first rank that misses one is heard.
+      const std::string message = error.what();
+      EXPECT_TRUE(message.find("/material/points/3: missing") != std::string::npos ||
+                  message.find("/material/points/8: missing") != std::string::npos)
+          << message;
     }
 }
 
