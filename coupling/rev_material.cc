@@ -70,7 +70,7 @@ namespace coupling
   }
 
   /** Rows of a question to all points, as matrices of those that live here. */
-  std::vector<dem::Matrix> RevMaterial::bring_home(const RevPool::Questions &stresses) const
+  std::vector<dem::Matrix> RevMaterial::bring_home(const RevPool::Questions &stresses)
   {
     std::map<PointId, dem::Matrix> found;
     for (const PointId id : pool_.get_local_points())

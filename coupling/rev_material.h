@@ -88,7 +88,7 @@ namespace coupling
     void receive(PointId id, std::span<const std::byte> bytes);
 
     dem::RevModel make_model(PointId id) const;
-    std::vector<dem::Matrix> bring_home(const RevPool::Questions &stresses) const;
+    std::vector<dem::Matrix> bring_home(const RevPool::Questions &stresses);
     void update_fields();
     fem::Status change_baselines(const RevQuestion &question, unsigned int &n_broken);
     void report_failure(PointId id, const dem::RevState &before, const RevQuestion &question,
