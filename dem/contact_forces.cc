@@ -22,11 +22,15 @@ namespace dem
       return loop.finish();
     }
 
+    constexpr std::size_t fetch_ahead = 40; // far pairs
+
     void take_incoming(const GrainBlock &block, const ContactNetwork &network, const std::vector<Row> &far,
                        Row *const rows)
     {
       for (std::size_t k = block.incoming_begin; k < block.incoming_end; ++k)
         {
+          if (k + fetch_ahead < block.incoming_end)
+            __builtin_prefetch(&far[network.incoming_far[k + fetch_ahead]]);
           Row &row = rows[network.incoming_grain[k]];
           store_row(row, load_row(row) + load_row(far[network.incoming_far[k]]));
         }

@@ -4,6 +4,7 @@
 #include "dem/contact_lanes.h"
 #include "dem/lane_rows.h"
 
+#include <algorithm>
 #include <limits>
 
 namespace dem
@@ -27,7 +28,8 @@ namespace dem
         : law_(task.law), place_(task.state.grains.place.data()), velocity_(task.state.grains.velocity.data()),
           spin_(task.state.grains.spin.data()), edges_(task.state.cell.edges), strain_(task.motion.strain_increment),
           time_step_(task.motion.time_step), has_contact_stress_(task.motion.has_contact_stress),
-          has_sums_(task.motion.has_sums), network_(network), forces_(forces), rows_(rows)
+          has_sums_(task.motion.has_sums), is_beyond_cache_(task.state.grains.size() > cached_grains),
+          network_(network), forces_(forces), rows_(rows)
     {}
 
     /** Near pairs: both grains get their force at once. */
@@ -58,7 +60,8 @@ namespace dem
     }
 
   private:
-    static constexpr double far_apart = 1e200; ///< squared [m2]
+    static constexpr std::size_t fetch_ahead = 2 * n_lanes; ///< pairs
+    static constexpr double far_apart = 1e200;              ///< squared [m2]
 
     /** How grains move against each other. */
     struct Relative
@@ -93,6 +96,8 @@ namespace dem
     template <bool is_far>
     [[gnu::always_inline]] void compute(const std::size_t k, const std::size_t far)
     {
+      if (is_beyond_cache_)
+        fetch(std::min(k + fetch_ahead, network_.size() - n_lanes));
       // Loads stand between the roots, whose results nobody can use at once.
       Touch touch = locate(k);
       Relative relative;
@@ -108,6 +113,20 @@ namespace dem
       give<is_far>(k, far, touch, force);
       if constexpr (is_rotation_free)
         give_torques<is_far>(k, far, touch, shear);
+    }
+
+    /** Calls the second grains of later pairs into the cache: they come in no order that the processor could foresee.
+     */
+    [[gnu::always_inline]] void fetch(const std::size_t k) const
+    {
+      const RowOffset *const b = &network_.row_b[k];
+      for (int j = 0; j < n_lanes; ++j)
+        {
+          __builtin_prefetch(&get_row(place_, b[j]));
+          __builtin_prefetch(&get_row(velocity_, b[j]));
+          if constexpr (is_rotation_free)
+            __builtin_prefetch(&get_row(spin_, b[j]));
+        }
     }
 
     /** Where pairs are, and which of them touch. */
@@ -251,7 +270,7 @@ namespace dem
     const Row *const place_, *const velocity_, *const spin_;
     const Matrix edges_, strain_;
     const double time_step_;
-    const bool has_contact_stress_, has_sums_;
+    const bool has_contact_stress_, has_sums_, is_beyond_cache_;
     ContactNetwork &network_;
     Forces &forces_;
     const ForceRows rows_;
