@@ -14,6 +14,7 @@ namespace
   using namespace dem;
   using namespace dem::cases;
 
+  /** Grains weak enough to break at small stresses. */
   RevModel make_weak_model()
   {
     RevModel model;
@@ -32,10 +33,26 @@ namespace
         stage.points_per_decade = 1;
       }
     stages[0].kind = StageKind::oedometric;
-    stages[0].stress = 9e6;
+    stages[0].stress = 5e6;
     stages[1].kind = StageKind::creep;
     stages[2].kind = StageKind::relaxation;
     return stages;
+  }
+
+  /**
+   * A packing that surely bears the programme. Whether a weak and small one ruptures in its creep is chance: of 60
+   * packings of 80 grains 7 to 9 do under 9 MPa, and of one packing whose places differ by a last bit one copy in 20 to
+   * 60; a sum in another order, or other instructions, decides. Of 60 packings like this one none did, on machines with
+   * and without AVX-512, and in each of them cracks broke grains.
+   */
+  const RevState &get_strong_packing()
+  {
+    static const RevState packing = [] {
+      PackingRule rule = make_packing_rule();
+      rule.n_grains = 2 * n_grains;
+      return generate_packing(rule, GrainMaterial{}, DynamicsRule{}).state;
+    }();
+    return packing;
   }
 
   /** All bits of an observation that a table could show. */
@@ -84,7 +101,7 @@ namespace
     static const Record record = [] {
       Record whole;
       LaboratoryPosition position;
-      Rev rev = make_rev(make_weak_model(), get_packing().state);
+      Rev rev = make_rev(make_weak_model(), get_strong_packing());
       go_on(rev, position, 0, whole);
       return whole;
     }();
@@ -103,7 +120,7 @@ namespace
       {
         Record record;
         LaboratoryPosition position;
-        Rev first = make_rev(make_weak_model(), get_packing().state);
+        Rev first = make_rev(make_weak_model(), get_strong_packing());
         go_on(first, position, n, record);
         ASSERT_EQ(record.outcome, LaboratoryOutcome::stopped);
         const auto bytes = serialise(first.get_committed());
@@ -121,7 +138,7 @@ namespace
     const Record &whole = get_uninterrupted();
     Record record;
     LaboratoryPosition position;
-    Rev first = make_rev(make_weak_model(), get_packing().state);
+    Rev first = make_rev(make_weak_model(), get_strong_packing());
     while (position.share < 1.)
       go_on(first, position, 1, record);
     ASSERT_EQ(position.stage, 0u);
@@ -206,6 +223,7 @@ namespace
     // Law: at constant p the lateral stress p - q/3 must not be tension, nor the axial p + 2q/3.
     auto stages = make_programme();
     stages[0].kind = StageKind::isotropic;
+    stages[0].stress = 9e6;
     stages[1] = stages[0];
     stages[1].kind = StageKind::constant_p;
     stages[1].stress = 0.;
