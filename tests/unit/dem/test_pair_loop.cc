@@ -231,7 +231,9 @@ namespace
           reference.add(a, b, pair);
           EXPECT_LT((after.get_shear(k) - pair.shear).norm(), pair.shear_error);
           if (std::abs(pair.share_of_cap - 1.) > 1e-9) // nearer, the last bits decide
-            EXPECT_EQ(after.status[k], pair.is_sliding ? PairStatus::slides : PairStatus::sticks);
+            {
+              EXPECT_EQ(after.status[k], pair.is_sliding ? PairStatus::slides : PairStatus::sticks);
+            }
         }
     return reference;
   }
@@ -290,7 +292,9 @@ namespace
     EXPECT_NEAR(sums.stiffness, expected.stiffness, share * expected.stiffness);
     EXPECT_NEAR(sums.stiffness_moment, expected.stiffness_moment, share * expected.stiffness_moment);
     if (is_rotation_free)
-      EXPECT_NEAR(sums.turning_stiffness, expected.turning_stiffness, share * expected.turning_stiffness);
+      {
+        EXPECT_NEAR(sums.turning_stiffness, expected.turning_stiffness, share * expected.turning_stiffness);
+      }
   }
 
   TEST(PairLoop, GivesGrainsWhatAPlainWalkGives)
@@ -314,7 +318,9 @@ namespace
                 EXPECT_GT(reference.sums.n_touching - reference.n_sliding, 100u);
                 EXPECT_GT(reference.n_opened, 100u);
                 if (roughness > 0.)
-                  EXPECT_GT(*std::ranges::min_element(reference.n_in_stage), 100u);
+                  {
+                    EXPECT_GT(*std::ranges::min_element(reference.n_in_stage), 100u);
+                  }
               }
           }
   }

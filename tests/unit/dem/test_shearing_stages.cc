@@ -129,7 +129,9 @@ namespace
     const double tolerance = servo_tolerance * (pressure + 2. / 3. * 1e6);
     for (const Observation &observation : run.observations)
       if (observation.stage == 1)
-        EXPECT_NEAR(get_mean(observation.stress), pressure, tolerance);
+        {
+          EXPECT_NEAR(get_mean(observation.stress), pressure, tolerance);
+        }
     EXPECT_NEAR(compute_deviator(rev.get_committed().stress), 1e6, 2. * tolerance);
   }
 
