@@ -24,15 +24,23 @@ namespace dem
 
     constexpr std::size_t fetch_ahead = 40; // far pairs
 
-    void take_incoming(const GrainBlock &block, const ContactNetwork &network, const std::vector<Row> &far,
-                       Row *const rows)
+    /** Gives the grains of a block what far pairs of other blocks do to them. */
+    void take_incoming(const GrainBlock &block, const ContactNetwork &network, const Forces &forces,
+                       const ForceRows &rows, const bool has_torques)
     {
       for (std::size_t k = block.incoming_begin; k < block.incoming_end; ++k)
         {
+          const std::uint32_t grain = network.incoming_grain[k], far = network.incoming_far[k];
           if (k + fetch_ahead < block.incoming_end)
-            __builtin_prefetch(&far[network.incoming_far[k + fetch_ahead]]);
-          Row &row = rows[network.incoming_grain[k]];
-          store_row(row, load_row(row) + load_row(far[network.incoming_far[k]]));
+            {
+              const std::uint32_t later = network.incoming_far[k + fetch_ahead];
+              __builtin_prefetch(&forces.far_force[later]);
+              if (has_torques)
+                __builtin_prefetch(&forces.far_torque[later]);
+            }
+          add_row(rows.force[grain], load_row(forces.far_force[far]));
+          if (has_torques)
+            add_row(rows.torque[grain], load_row(forces.far_torque[far]));
         }
     }
 
@@ -107,16 +115,16 @@ namespace dem
                 shift_rows(forces_.passing_torque.data() + first, grain)};
       }
 
-      /** Gives the grains of block k what far pairs of other blocks do to them. */
+      /** Block k has all that its own and other blocks' pairs do to it. */
       void finish(const std::size_t k, const ForceRows &rows) const
       {
         const GrainBlock &block = network_.blocks[k];
-        take_incoming(block, network_, forces_.far_force, rows.force);
-        forces_.block_sums[k].stiffness = sum_stiffness(rows.force, block);
-        if (task_.motion.is_rotation_free)
+        take_incoming(block, network_, forces_, rows, task_.motion.is_rotation_free);
+        if (task_.motion.has_sums)
           {
-            take_incoming(block, network_, forces_.far_torque, rows.torque);
-            forces_.block_sums[k].turning_stiffness = sum_stiffness(rows.torque, block);
+            forces_.block_sums[k].stiffness = sum_stiffness(rows.force, block);
+            if (task_.motion.is_rotation_free)
+              forces_.block_sums[k].turning_stiffness = sum_stiffness(rows.torque, block);
           }
         if (is_complete_)
           is_complete_(k, rows);

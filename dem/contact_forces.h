@@ -53,7 +53,7 @@ namespace dem
     Matrix strain_increment = Matrix::Zero(); ///< L dt of the cell: its affine part belongs to the relative velocity
     bool is_rotation_free = false;
     bool has_contact_stress = false;
-    bool has_sums = true; ///< false: of ContactSums the stiffnesses alone are found, the others are not numbers
+    bool has_sums = true; ///< false: nothing is added up, and all of ContactSums are no numbers
   };
 
   /** What forces follow from. */

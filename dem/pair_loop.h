@@ -15,6 +15,12 @@ namespace dem
             m(2, 0) * v.x + m(2, 1) * v.y + m(2, 2) * v.z};
   }
 
+  /** The same of a diagonal matrix. */
+  [[gnu::always_inline]] inline LaneVector stretch(const Matrix &m, const LaneVector &v)
+  {
+    return {m(0, 0) * v.x, m(1, 1) * v.y, m(2, 2) * v.z};
+  }
+
   /**
    * The pairs of a block, sixteen at a time: where they are and how hard they press, what shears them, and what grains
    * get from it.
@@ -89,7 +95,7 @@ namespace dem
       constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
       ContactSums sums;
       sums.force_times_branch.setConstant(unknown);
-      sums.normal_force = sums.stiffness_moment = unknown;
+      sums.normal_force = sums.stiffness = sums.turning_stiffness = sums.stiffness_moment = unknown;
       return sums;
     }
 
@@ -134,8 +140,8 @@ namespace dem
     {
       const RowsOfLanes apart = load_differences(place_, &network_.row_a[k], &network_.row_b[k]);
       Touch touch;
-      touch.branch =
-          apply(edges_, {compute_remainder(apart.x), compute_remainder(apart.y), compute_remainder(apart.z)});
+      const LaneVector rest{compute_remainder(apart.x), compute_remainder(apart.y), compute_remainder(apart.z)};
+      touch.branch = is_upright_ ? stretch(edges_, rest) : apply(edges_, rest);
       const Lanes square = dot(touch.branch, touch.branch), sum = load_lanes(&network_.radius_sum[k]);
       touch.is_touching = (square < sum * sum) & (0. < square); // a grain beside itself only fills a lane
       touch.square = select(touch.is_touching, square, far_apart);
@@ -189,7 +195,8 @@ namespace dem
       LaneVector before{load_lanes(x), load_lanes(y), load_lanes(z)}, velocity = relative.velocity;
       if constexpr (is_rotation_free)
         follow_spins(touch, relative, before, velocity);
-      const LaneVector step = add(apply(strain_, touch.branch), time_step_, velocity);
+      const LaneVector affine = is_upright_ ? stretch(strain_, touch.branch) : apply(strain_, touch.branch);
+      const LaneVector step = add(affine, time_step_, velocity);
       const ShearLanes shear = compute_shear_law(law_, touch.normal, touch.unit, before, step);
       store_lanes(x, shear.force.x);
       store_lanes(y, shear.force.y);
@@ -271,6 +278,7 @@ namespace dem
     const Matrix edges_, strain_;
     const double time_step_;
     const bool has_contact_stress_, has_sums_, is_beyond_cache_;
+    const bool is_upright_ = edges_.isDiagonal(0.) && strain_.isDiagonal(0.);
     ContactNetwork &network_;
     Forces &forces_;
     const ForceRows rows_;
