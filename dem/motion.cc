@@ -54,6 +54,25 @@ namespace dem
       {}
     };
 
+    /** Displacements as changes of fractions of the cell. */
+    class ToFractions
+    {
+    public:
+      explicit ToFractions(const Matrix &m)
+          : columns_(m), diagonal_{m(0, 0), m(1, 1), m(2, 2), 0.}, is_upright_(m.isDiagonal(0.))
+      {}
+
+      [[gnu::always_inline]] RowLanes operator()(const RowLanes v) const
+      {
+        return is_upright_ ? v * diagonal_ : v[0] * columns_.x + v[1] * columns_.y + v[2] * columns_.z;
+      }
+
+    private:
+      Columns columns_;
+      RowLanes diagonal_;
+      bool is_upright_;
+    };
+
     void spin_grains(Grains &grains, const std::size_t begin, const std::size_t end, const MotionTask &task)
     {
       const double dt = task.kinetics.time_step, smallest = task.kinetics.smallest_inertia;
@@ -92,7 +111,7 @@ namespace dem
   {
     const double dt = task.kinetics.time_step, smallest = task.kinetics.smallest_mass;
     const bool is_true = task.rule.has_true_masses;
-    const Columns to_fraction(task.cell.edges.inverse() * dt);
+    const ToFractions to_fractions(task.cell.edges.inverse() * dt);
     RowLanes largest_square{};
     for (std::size_t i = begin; i < end; ++i)
       {
@@ -100,8 +119,7 @@ namespace dem
         const double mass = is_true ? before[3] : std::max(force[3], smallest);
         const RowLanes v = accelerate(before, force, dt / mass, task.rule.local_damping);
         store_row(grains.velocity[i], v);
-        store_row(grains.place[i],
-                  load_row(grains.place[i]) + v[0] * to_fraction.x + v[1] * to_fraction.y + v[2] * to_fraction.z);
+        store_row(grains.place[i], load_row(grains.place[i]) + to_fractions(v));
         const RowLanes square = v * v;
         largest_square = square > largest_square ? square : largest_square;
       }
