@@ -52,34 +52,50 @@ namespace dem
         }
     }
 
-    /** Pairs block by block, near ones first. @return place of each pair of `pairs` in the network */
-    std::vector<std::uint32_t> lay_out_pairs(ContactNetwork &network, const std::vector<NearPair> &pairs,
-                                             const std::vector<Row> &place)
+    /** Which pairs touch. */
+    std::vector<bool> find_touching(const std::vector<NearPair> &pairs, const RevState &state)
     {
+      std::vector<bool> is_touching;
+      is_touching.reserve(pairs.size());
+      for (const NearPair &pair : pairs)
+        {
+          const Row &a = state.grains.place[pair.a], &b = state.grains.place[pair.b];
+          const double sum = a.w + b.w;
+          is_touching.push_back(compute_branch(state.cell, a, b).squaredNorm() < sum * sum);
+        }
+      return is_touching;
+    }
+
+    /** Pairs block by block, near ones first, and of either sort first those that touch: vectors of pairs that are
+     * apart are done with once that is seen. @return place of each pair of `pairs` in the network */
+    std::vector<std::uint32_t> lay_out_pairs(ContactNetwork &network, const std::vector<NearPair> &pairs,
+                                             const RevState &state)
+    {
+      const std::vector<bool> touches = find_touching(pairs, state);
       std::vector<std::uint32_t> place_of_pair(pairs.size());
-      std::size_t begin = 0;
+      std::size_t begin = 0, end = 0;
       for (GrainBlock &block : network.blocks)
         {
-          std::size_t end = begin;
+          while (end < pairs.size() && pairs[end].a < block.grain_end)
+            ++end;
+          const auto append_all = [&](const bool is_far) {
+            for (const bool touching : {true, false})
+              for (std::size_t k = begin; k < end; ++k)
+                if ((pairs[k].b >= block.grain_end) == is_far && touches[k] == touching)
+                  {
+                    place_of_pair[k] = static_cast<std::uint32_t>(network.a.size());
+                    append(network, pairs[k], state.grains.place);
+                  }
+            fill_up(network, block.grain_begin);
+          };
           block.near_begin = network.a.size();
-          for (; end < pairs.size() && pairs[end].a < block.grain_end; ++end)
-            if (pairs[end].b < block.grain_end)
-              {
-                place_of_pair[end] = static_cast<std::uint32_t>(network.a.size());
-                append(network, pairs[end], place);
-              }
-          fill_up(network, block.grain_begin);
+          append_all(false);
           block.far_begin = network.a.size();
           block.first_far = network.n_far;
-          for (; begin < end; ++begin)
-            if (pairs[begin].b >= block.grain_end)
-              {
-                place_of_pair[begin] = static_cast<std::uint32_t>(network.a.size());
-                append(network, pairs[begin], place);
-              }
-          fill_up(network, block.grain_begin);
+          append_all(true);
           block.far_end = network.a.size();
           network.n_far += block.far_end - block.far_begin;
+          begin = end;
         }
       return place_of_pair;
     }
@@ -199,7 +215,7 @@ namespace dem
     network.edges_when_built = state.cell.edges;
     make_blocks(network, state.grains.size());
     const std::vector<NearPair> &pairs = search.list_near_pairs(state.cell, state.grains.place, skin);
-    const auto place_of_pair = lay_out_pairs(network, pairs, state.grains.place);
+    const auto place_of_pair = lay_out_pairs(network, pairs, state);
     list_incoming(network, state.grains.size());
     find_sources(network);
 

@@ -106,6 +106,8 @@ namespace dem
         fetch(std::min(k + fetch_ahead, network_.size() - n_lanes));
       // Loads stand between the roots, whose results nobody can use at once.
       Touch touch = locate(k);
+      if (!is_any(touch.is_touching))
+        return leave_apart<is_far>(k, far);
       Relative relative;
       load_velocities(k, relative);
       measure(k, touch);
@@ -147,6 +149,24 @@ namespace dem
       touch.square = select(touch.is_touching, square, far_apart);
       touch.more_arm = 0.5 * apart.w;
       return touch;
+    }
+
+    /** Sixteen pairs none of which touches. */
+    template <bool is_far>
+    [[gnu::always_inline]] void leave_apart(const std::size_t k, const std::size_t far) const
+    {
+      for (double *const memory : {&network_.shear_x[k], &network_.shear_y[k], &network_.shear_z[k]})
+        store_lanes(memory, 0.);
+      std::fill_n(&network_.status[k], n_lanes, PairStatus::is_apart);
+      if (has_contact_stress_)
+        for (double *const known : {&forces_.normal_force[k], &forces_.overlap[k]})
+          store_lanes(known, 0.);
+      if constexpr (is_far)
+        {
+          std::fill_n(&forces_.far_force[far], n_lanes, Row{});
+          if constexpr (is_rotation_free)
+            std::fill_n(&forces_.far_torque[far], n_lanes, Row{});
+        }
     }
 
     [[gnu::always_inline]] void load_velocities(const std::size_t k, Relative &relative) const

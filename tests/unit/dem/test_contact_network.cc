@@ -1,5 +1,6 @@
 #include "dem/contact_network.h"
 
+#include "tests/support/memory_cases.h"
 #include "tests/support/rev_cases.h"
 
 #include <gtest/gtest.h>
@@ -63,8 +64,8 @@ namespace
 
   TEST(ContactNetwork, HoldsEveryNearPairOnceInOrder)
   {
-    // Law: the pairs whose nearest images are closer than both radii and the skin, sorted; upright and leaning cells,
-    // with many boxes a side and with fewer than three.
+    // Law: the pairs whose nearest images are closer than both radii and the skin, first those that touch, then the
+    // others, both sorted; upright and leaning cells, with many boxes a side and with fewer than three.
     const double skin = 0.2 * radius;
     for (const double edge : {6.2, 8., 14.})
       for (const double lean : {0., 0.3, 0.7})
@@ -72,8 +73,12 @@ namespace
           const RevState state = scatter(80, edge, lean, 7);
           if (!is_wide_enough(state.cell, compute_reach(state.grains, skin)))
             continue;
-          const auto expected = list_near_pairs(state, skin);
+          auto expected = list_near_pairs(state, skin);
           ASSERT_GT(expected.size(), 20u);
+          const auto touching = list_near_pairs(state, 0.);
+          std::stable_partition(expected.begin(), expected.end(), [&](const Pair &pair) {
+            return std::binary_search(touching.begin(), touching.end(), pair);
+          });
           EXPECT_EQ(list_pairs(build_contact_network(state, skin)), expected) << edge << " " << lean;
         }
   }
@@ -119,14 +124,7 @@ namespace
     // Law: collecting and building are inverse to each other, on a packing under load with real shear forces.
     RevState state = get_loaded_state();
     ASSERT_GT(state.contacts.size(), n_grains);
-    const auto again = collect_memories(build_contact_network(state, 0.3 * radius));
-    ASSERT_EQ(again.size(), state.contacts.size());
-    for (std::size_t i = 0; i < again.size(); ++i)
-      {
-        EXPECT_EQ(Pair(again[i].a, again[i].b), Pair(state.contacts[i].a, state.contacts[i].b));
-        EXPECT_EQ(again[i].shear_force, state.contacts[i].shear_force);
-        EXPECT_EQ(again[i].is_sliding, state.contacts[i].is_sliding);
-      }
+    expect_same_memories(collect_memories(build_contact_network(state, 0.3 * radius)), state.contacts);
   }
 
   TEST(ContactNetwork, UsedSkinBoundsHowMuchCloserAnyPairHasCome)
@@ -141,7 +139,8 @@ namespace
       {
         RevState state = scatter(40, 9., 0.2, static_cast<std::uint64_t>(trial));
         const ContactNetwork network = build_contact_network(state, skin);
-        const auto known = list_pairs(network);
+        auto known = list_pairs(network);
+        std::sort(known.begin(), known.end());
         const double step = 0.006 * (trial % 5); // [fractions]
         for (Row &place : state.grains.place)
           place = {place.x + step * normal(random), place.y + step * normal(random), place.z, place.w};
@@ -172,10 +171,11 @@ namespace
 
   TEST(ContactNetwork, TheSkinChangesNoResult)
   {
-    // Law: the skin decides when pairs are looked up, not what they do; they are summed in the order of their names
-    // whatever the skin. Tolerance: pairs fall into other lanes of the vectorised law, whose last bit may differ, and
-    // 600 cycles carry that on: 1e-15 measured, 1e-12 allowed.
+    // Law: the skin decides when pairs are looked up, not what they do. Tolerance: which pairs touched when the network
+    // was built decides the order of sums, and their last bits; contacts that open and close in 600 cycles make 1e-10
+    // of that where none slides (sliding: 6e-8). 1e-8; a pair that is looked up too late is worth its force, 1e-4.
     RevModel model;
+    model.material.friction = 10.;
     std::vector<RevState> states;
     for (const double share : {0.05, 0.2, 0.4})
       {
@@ -191,7 +191,7 @@ namespace
       {
         EXPECT_EQ(other.counters.cycles, states[0].counters.cycles);
         EXPECT_EQ(other.contacts.size(), states[0].contacts.size());
-        EXPECT_LT((other.stress - states[0].stress).norm(), 1e-12 * states[0].stress.norm());
+        EXPECT_LT((other.stress - states[0].stress).norm(), 1e-8 * states[0].stress.norm());
       }
   }
 } // namespace
