@@ -43,9 +43,6 @@ namespace dem
     ForceRows get_rows() { return {force.data(), torque.data()}; }
   };
 
-  /** More grains than these and their contacts do not lie in the caches of a core [-]. */
-  inline constexpr std::size_t cached_grains = 30000;
-
   /** How the grains have moved since forces were last computed. */
   struct Motion
   {

@@ -12,6 +12,7 @@
 namespace dem
 {
   inline constexpr std::size_t grains_per_block = 512; ///< at most; a REV of twice as many is still one block
+  inline constexpr std::size_t cached_grains = 30000; ///< more, with their contacts, do not lie in the caches of a core
 
   /** What a candidate pair is at the moment. */
   enum class PairStatus : std::uint8_t

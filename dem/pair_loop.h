@@ -66,7 +66,7 @@ namespace dem
     }
 
   private:
-    static constexpr std::size_t fetch_ahead = 2 * n_lanes; ///< pairs
+    static constexpr std::size_t fetch_ahead = 2 * n_lanes; ///< pairs; their lists are called twice as far ahead
     static constexpr double far_apart = 1e200;              ///< squared [m2]
 
     /** How grains move against each other. */
@@ -123,10 +123,19 @@ namespace dem
         give_torques<is_far>(k, far, touch, shear);
     }
 
-    /** Calls the second grains of later pairs into the cache: they come in no order that the processor could foresee.
+    /**
+     * Calls later pairs into the cache, and before them their second grains: these come in no order that the processor
+     * could foresee, and at each page of memory it begins anew to see the order of the others.
      */
     [[gnu::always_inline]] void fetch(const std::size_t k) const
     {
+      constexpr std::size_t line = 64;
+      for (const double *const list : {&network_.radius_sum[k], &network_.root_radius[k], &network_.shear_x[k],
+                                       &network_.shear_y[k], &network_.shear_z[k]})
+        for (std::size_t byte = 0; byte < n_lanes * sizeof(double); byte += line)
+          __builtin_prefetch(reinterpret_cast<const char *>(list + fetch_ahead) + byte);
+      __builtin_prefetch(&network_.row_a[k] + 2 * fetch_ahead);
+      __builtin_prefetch(&network_.row_b[k] + 2 * fetch_ahead);
       const RowOffset *const b = &network_.row_b[k];
       for (int j = 0; j < n_lanes; ++j)
         {
