@@ -45,7 +45,7 @@ namespace benchmarks
     const double share = rule.motion.time_step_share * protocol.time_step / dynamics.get_time_step();
     rule.motion.time_step_share = std::min(share, 0.6); // a bound: crushed packings need a smaller step than fresh ones
     rule.skin_share =
-        0.05; // a run strains by 2.4e-4: no code looks for neighbours twice, each has the skin that suits it
+        0.1; // a run strains by 2.4e-4: no code looks for neighbours twice, each has the skin that suits it
     rule.n_threads = protocol.n_threads;
     return rule;
   }
