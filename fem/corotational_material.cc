@@ -1,14 +1,5 @@
 #include "fem/corotational_material.h"
 
-#include "fem/hdf5_file.h"
-
-#include <deal.II/base/mpi.h>
-
-#include <fmt/format.h>
-
-#include <cmath>
-#include <stdexcept>
-
 namespace fem
 {
   using dealii::SymmetricTensor;
@@ -130,48 +121,29 @@ namespace fem
       points_.at(id) = {};
   }
 
+  StateArchive CorotationalMaterial::make_archive() const
+  {
+    return {archive_group_, "corotational_states", "1, Pa, 1", n_numbers, communicator_};
+  }
+
   void CorotationalMaterial::save(const std::string &file) const
   {
-    std::vector<double> ids, states;
+    std::map<PointId, std::vector<double>> states;
     for (const auto &[id, point] : points_)
-      {
-        ids.push_back(id);
-        append(point.committed, states);
-      }
-    const auto all_ids = dealii::Utilities::MPI::gather(communicator_, ids);
-    const auto all_states = dealii::Utilities::MPI::gather(communicator_, states);
-    if (dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) != 0)
-      return;
-    ids.clear();
-    states.clear();
-    for (std::size_t rank = 0; rank < all_ids.size(); ++rank)
-      {
-        ids.insert(ids.end(), all_ids[rank].begin(), all_ids[rank].end());
-        states.insert(states.end(), all_states[rank].begin(), all_states[rank].end());
-      }
-    Hdf5File archive(file, Hdf5File::Mode::append);
-    archive.write(archive_group_ + "/point_ids", ids, "1");
-    archive.write(archive_group_ + "/corotational_states", states, "1, Pa, 1");
-    archive.close();
+      append(point.committed, states[id]);
+    write_states(file, make_archive(), states);
   }
 
   void CorotationalMaterial::load(const std::string &file)
   {
-    const Hdf5File archive(file, Hdf5File::Mode::read);
-    const std::vector<double> ids = archive.read(archive_group_ + "/point_ids");
-    const std::vector<double> states = archive.read(archive_group_ + "/corotational_states", n_numbers * ids.size());
     std::size_t n_found = 0;
-    for (std::size_t i = 0; i < ids.size(); ++i)
-      {
-        const auto point = points_.find(static_cast<PointId>(ids[i]));
-        if (point == points_.end())
-          continue;
-        point->second.committed = take(&states[n_numbers * i]);
-        ++n_found;
-      }
-    if (n_found != points_.size())
-      throw std::runtime_error(fmt::format("{}: {}/point_ids holds {} of this problem's {} Gauss points", file,
-                                           archive_group_, n_found, points_.size()));
+    for (const auto &[id, numbers] : read_states(file, make_archive()))
+      if (const auto point = points_.find(id); point != points_.end())
+        {
+          point->second.committed = take(numbers.data());
+          ++n_found;
+        }
+    check_n_states(file, make_archive(), n_found, points_.size());
     revert();
   }
 } // namespace fem

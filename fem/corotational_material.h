@@ -2,6 +2,7 @@
 
 #include "fem/constitutive_model.h"
 #include "fem/kinematics.h"
+#include "fem/state_archive.h"
 
 #include <map>
 #include <mpi.h>
@@ -70,6 +71,8 @@ namespace fem
     {
       CorotationalState committed, baseline, trial;
     };
+
+    StateArchive make_archive() const;
 
     std::map<PointId, Point> points_;
     Kinematics kinematics_;
