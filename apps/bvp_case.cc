@@ -1,6 +1,7 @@
 #include "apps/bvp_case.h"
 
 #include "apps/command_line.h"
+#include "apps/name_list.h"
 #include "apps/stage_parameters.h"
 
 #include <fmt/format.h>
@@ -171,6 +172,9 @@ namespace apps
       binder.bind("Fields", output.writes_fields, "Whether to write fields/ for Paraview. Units: none.");
       binder.bind("Snapshots", output.writes_snapshots,
                   "Whether to write each REV at the beginning of creep and at the end. Units: none.");
+      binder.bind("Points", output.writes_points,
+                  "Whether to write points.csv and shaft.csv, all Gauss points and those beside Load tests/Shaft, at "
+                  "each output. Units: none.");
       binder.bind("Probes", output.probes_text,
                   "'NAME: x, y, z; ...': places whose nearest Gauss point is written at every step; empty: every Gauss "
                   "point if there are at most 64. Units: [m].");
@@ -245,7 +249,7 @@ namespace apps
             binder.reject(fmt::format("Loading/Stage {}/Name", n),
                           fmt::format("stands for a contradiction: {}", std::string(error.what())));
           }
-      bvp.pile.elastic.kinematics = bvp.problem.kinematics;
+      bvp.pile.elastic.kinematics = bvp.interface.layer.kinematics = bvp.problem.kinematics;
       bvp.problem.unit_weight = bvp.ground.geostatic.unit_weight;
       bvp.problem.is_pile_absent = bvp.pile.is_absent;
     }
@@ -268,6 +272,7 @@ namespace apps
     bind_conditions(file, binder, bvp.conditions);
     bind_stages(file, binder, bvp.stages, stages);
     bind_ground(binder, bvp.ground, bvp.pile);
+    bind_interface(binder, bvp.interface);
     bind_load_tests(binder, bvp.load_tests);
     bind_output(binder, bvp.output);
     bind_coupling(binder, bvp.rev_material);
@@ -314,7 +319,7 @@ namespace apps
       return names;
     };
     const auto names = as_bad_input(get_names);
-    assign_regions(bvp.ground, bvp.pile, regions);
+    assign_regions(bvp.ground, bvp.pile, bvp.interface, regions);
     std::string known;
     for (const std::string &name : names)
       known += (known.empty() ? "" : ", ") + name;
@@ -326,7 +331,8 @@ namespace apps
     if (!bvp.load_tests.ages.empty())
       for (const auto &[path, name] :
            {std::pair("Load tests/Shaft", bvp.load_tests.shaft), std::pair("Load tests/Base", bvp.load_tests.base)})
-        if (std::find(names.begin(), names.end(), name) == names.end())
-          binder.reject(path, fmt::format("is no boundary of the mesh; allowed: {}", known));
+        for (const std::string &one : split_names(name))
+          if (std::find(names.begin(), names.end(), one) == names.end())
+            binder.reject(path, fmt::format("names '{}', which is no boundary of the mesh; allowed: {}", one, known));
   }
 } // namespace apps

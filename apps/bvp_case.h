@@ -35,6 +35,7 @@ namespace apps
     unsigned int checkpoint_interval = 20; ///< committed steps between checkpoints
     bool writes_fields = true;
     bool writes_snapshots = true;
+    bool writes_points = true;
     std::string probes_text; ///< "NAME: x, y, z; ..."; empty: every Gauss point if there are at most 64
     std::vector<Probe> probes;
   };
@@ -49,6 +50,7 @@ namespace apps
     dealii::SymmetricTensor<2, 3> initial_stress; ///< [Pa], tension-positive; of ground that is not geostatic
     GroundParameters ground;
     PileParameters pile;
+    InterfaceParameters interface;
     LoadTestParameters load_tests;
     std::vector<fem::BoundaryCondition> conditions;
     std::vector<fem::Stage> stages;

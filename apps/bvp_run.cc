@@ -44,6 +44,11 @@ namespace apps
     if (line.is_resumed)
       prepare_folder();
     open_load_tests();
+    if (bvp.output.writes_points)
+      tables_ = std::make_unique<PointTables<dim>>(
+          typename PointTables<dim>::Run{folder_.get_path(), bvp.load_tests.shaft, bvp.ground.geostatic.surface_level,
+                                         is_first_rank_, line.is_resumed, stepping_->get_progress().step},
+          *problem_);
     if (bvp.output.writes_fields)
       fields_ = std::make_unique<fem::FieldOutput>(
           folder_.get_path(), "fields", line.is_resumed ? std::optional(stepping_->get_progress().step) : std::nullopt);
@@ -68,7 +73,7 @@ namespace apps
       auto mesh = fem::create_mesh<dim>(bvp_.mesh, bvp_.problem.geometry, macro);
       make_material(mesh.region_ids);
       fem::ProblemParameters parameters = bvp_.problem;
-      const auto pile = assign_regions(bvp_.ground, bvp_.pile, mesh.region_ids).pile;
+      const auto pile = assign_regions(bvp_.ground, bvp_.pile, bvp_.interface, mesh.region_ids).pile;
       parameters.pile_regions = {pile.begin(), pile.end()};
       return std::make_unique<fem::QuasiStaticProblem<dim>>(
           std::move(mesh), bvp_.conditions, parameters, *material_,
@@ -79,7 +84,7 @@ namespace apps
   template <int dim>
   void BvpRun<dim>::make_material(const Regions &region_ids)
   {
-    const RegionMaterials regions = assign_regions(bvp_.ground, bvp_.pile, region_ids);
+    const RegionMaterials regions = assign_regions(bvp_.ground, bvp_.pile, bvp_.interface, region_ids);
     if (!regions.has_several())
       {
         material_ = make_part(bvp_.material, "/material");
@@ -90,6 +95,8 @@ namespace apps
     auto pile = std::make_unique<fem::ElasticMaterial>(bvp_.pile.elastic, macro);
     pile->set_archive_group("/material/pile");
     composite->add(std::move(pile), regions.pile);
+    if (!regions.frictional.empty())
+      composite->add(std::make_unique<fem::FrictionalLayer>(bvp_.interface.layer, macro), regions.frictional);
     if (!regions.elastic.empty())
       composite->add(make_part(MaterialKind::elastic, "/material/elastic"), regions.elastic);
     if (!regions.viscoelastic.empty())
@@ -127,11 +134,11 @@ namespace apps
   void BvpRun<dim>::open_load_tests()
   {
     if (!bvp_.load_tests.ages.empty())
-      load_tests_ = std::make_unique<LoadTests<dim>>(bvp_.load_tests,
-                                                     typename LoadTests<dim>::Run{folder_.get_path(), bvp_.rev.seed,
-                                                                                  is_first_rank_, line_.is_resumed,
-                                                                                  stepping_->get_progress().time},
-                                                     bvp_.stepping);
+      load_tests_ = std::make_unique<LoadTests<dim>>(
+          bvp_.load_tests,
+          typename LoadTests<dim>::Run{folder_.get_path(), bvp_.rev.seed, is_first_rank_, line_.is_resumed,
+                                       stepping_->get_progress().time, bvp_.ground.geostatic.surface_level},
+          bvp_.stepping);
   }
 
   template <int dim>
@@ -189,6 +196,8 @@ namespace apps
     write_summary(is_finished ? "finished" : result.message);
     if (rev_material_)
       progress_.say(describe_pool(rev_material_->get_pool().get_tally(), tally_.creep_work));
+    if (load_tests_)
+      say_capacities();
     if (is_finished)
       return 0;
     fem::write_checkpoint(folder_.get_file("checkpoint.h5"), *problem_, stepping_->get_progress());
@@ -197,6 +206,18 @@ namespace apps
                                result.message, folder_.get_file("checkpoint.h5"), folder_.get_path())
                 << std::flush;
     return 1;
+  }
+
+  template <int dim>
+  void BvpRun<dim>::say_capacities()
+  {
+    const std::vector<AgedCapacity> &tests = load_tests_->get_capacities();
+    for (std::size_t i = 0; i < tests.size(); ++i)
+      {
+        const double growth = i > 0 ? compute_growth_per_decade(tests[i - 1], tests[i]) : std::nan("");
+        progress_.say(fmt::format("shaft capacity at {:g} s: {:.4g} N{}", tests[i].age, tests[i].shaft,
+                                  std::isnan(growth) ? "" : fmt::format(", {:+.3g} per tenfold age", growth)));
+      }
   }
 
   template <int dim>
@@ -214,6 +235,8 @@ namespace apps
           make_bvp_row(report, rev_material_ ? rev_material_->compute_totals() : coupling::RevTotals{}, probes));
     if (fields_)
       fields_->write(*problem_, 0, 0.);
+    if (tables_)
+      tables_->write(*problem_, 0, 0, 0.);
   }
 
   template <int dim>
@@ -225,6 +248,8 @@ namespace apps
       history_->write(make_bvp_row(report, totals, probes));
     if (fields_ && report.is_output)
       fields_->write(*problem_, report.step, report.time);
+    if (tables_ && report.is_output)
+      tables_->write(*problem_, report.stage + 1, report.step, report.time);
     if (report.is_stage_end)
       write_stage_snapshots(report.stage + 1);
     if (report.is_stage_end || report.step % bvp_.output.checkpoint_interval == 0)

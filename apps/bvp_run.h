@@ -4,6 +4,7 @@
 #include "apps/bvp_history.h"
 #include "apps/command_line.h"
 #include "apps/cost_file.h"
+#include "apps/point_tables.h"
 #include "apps/progress.h"
 #include "apps/run_folder.h"
 
@@ -45,6 +46,7 @@ namespace apps
     void open_load_tests();
     void resume();
     void open_history();
+    void say_capacities();
     void record(const fem::StepReport &report);
     void write_step(const fem::StepReport &report, const coupling::RevTotals &totals);
     void record_work(const fem::StepReport &report);
@@ -67,6 +69,7 @@ namespace apps
     std::unique_ptr<fem::LoadStepping<dim>> stepping_;
     std::unique_ptr<HistoryFile> history_; ///< on the first rank
     std::unique_ptr<fem::FieldOutput> fields_;
+    std::unique_ptr<PointTables<dim>> tables_;
     std::unique_ptr<LoadTests<dim>> load_tests_;                         ///< if there are any
     double unbalanced_share_ = std::numeric_limits<double>::quiet_NaN(); ///< of the untouched ground [-]
     std::unique_ptr<CostFile> costs_;

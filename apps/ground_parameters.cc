@@ -1,24 +1,13 @@
 #include "apps/ground_parameters.h"
 
-#include <fmt/format.h>
+#include "apps/name_list.h"
 
-#include <algorithm>
-#include <sstream>
+#include <fmt/format.h>
 
 namespace apps
 {
   namespace
   {
-    std::vector<std::string> split_names(const std::string &text)
-    {
-      std::vector<std::string> names;
-      std::string part;
-      for (std::istringstream stream(text); std::getline(stream, part, ',');)
-        if (std::string name; std::istringstream(part) >> name)
-          names.push_back(name);
-      return names;
-    }
-
     using RegionIds = std::map<std::string, dealii::types::material_id>;
 
     /** The numbers of the names in a parameter, which are taken out of those that are left. */
@@ -73,12 +62,36 @@ namespace apps
     binder.leave();
   }
 
+  void bind_interface(ParameterBinder &binder, InterfaceParameters &interface)
+  {
+    binder.enter("Interface");
+    binder.bind("Regions", interface.regions,
+                "Names of the mesh, comma-separated: thin layers between pile and ground that slip by Coulomb's law; "
+                "empty: pile and ground are bonded. Units: none.");
+    binder.bind("Friction coefficient", interface.layer.friction, non_negative,
+                "Tangent of the friction angle: largest shear stress over normal pressure. Units: [-].");
+    binder.bind("Normal modulus", interface.layer.normal_modulus, positive,
+                "Normal stress over logarithmic strain across the layer; over its thickness it is the penalty "
+                "stiffness. Units: [Pa].");
+    binder.bind("Shear modulus", interface.layer.shear_modulus, positive,
+                "Shear stress over shear strain before the layer slips. Units: [Pa].");
+    binder.bind_choice<fem::LayerNormal>("Normal", interface.layer.normal,
+                                         {{"radial", fem::LayerNormal::radial},
+                                          {"x", fem::LayerNormal::x},
+                                          {"y", fem::LayerNormal::y},
+                                          {"z", fem::LayerNormal::z}},
+                                         "Of the layer's faces at first; radial: horizontal, away from x = y = 0, "
+                                         "which is x in two dimensions. Units: none.");
+    binder.leave();
+  }
+
   RegionMaterials assign_regions(const GroundParameters &ground, const PileParameters &pile,
-                                 const RegionIds &region_ids)
+                                 const InterfaceParameters &interface, const RegionIds &region_ids)
   {
     RegionMaterials materials;
     RegionIds left = region_ids;
     materials.pile = take_regions("Pile/Regions", pile.regions, left, region_ids);
+    materials.frictional = take_regions("Interface/Regions", interface.regions, left, region_ids);
     materials.elastic = take_regions("Ground/Elastic regions", ground.elastic_regions, left, region_ids);
     materials.viscoelastic = take_regions("Ground/Viscoelastic regions", ground.viscoelastic_regions, left, region_ids);
     for (const auto &[name, id] : left)

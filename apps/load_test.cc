@@ -1,5 +1,8 @@
 #include "apps/load_test.h"
 
+#include "apps/name_list.h"
+#include "apps/point_tables.h"
+
 #include "fem/checkpoint.h"
 
 #include <fmt/format.h>
@@ -15,8 +18,11 @@ namespace apps
   {
     constexpr double same = 1e-9; // ages and times of the clock that differ by less are one
 
+    const std::string finished = "finished"; // outcome of a test whose head has gone all of its way
+
     const std::vector<std::string> capacity_columns = {
-        "age_s", "seed", "shaft_capacity_N", "base_capacity_N", "head_displacement_m", "outcome"};
+        "age_s",   "seed",    "shaft_capacity_N",       "base_capacity_N", "head_displacement_m",
+        "outcome", "is_peak", "shaft_growth_per_decade"};
 
     fem::Target get_head(const LoadTestParameters &tests, const double value)
     {
@@ -43,6 +49,15 @@ namespace apps
           return boundary;
       throw std::logic_error("no boundary " + name);
     }
+
+    /** Force that a pile passes on downwards through all of the named interfaces [N]. */
+    double sum_downwards(const std::vector<fem::BoundaryResponse> &boundaries, const std::string &names)
+    {
+      double force = 0.;
+      for (const std::string &name : split_names(names))
+        force -= find(boundaries, name).force[2];
+      return force;
+    }
   } // namespace
 
   void bind_load_tests(ParameterBinder &binder, LoadTestParameters &tests)
@@ -53,8 +68,8 @@ namespace apps
         "Times of the run, within creep stages or at their beginning, at which the pile is tested beside the "
         "run; empty: no test. Units: [s].");
     binder.bind("Head", tests.head, "Boundary that is pushed down. Units: none.");
-    binder.bind("Shaft", tests.shaft, "Interface between pile and ground. Units: none.");
-    binder.bind("Base", tests.base, "Interface between pile and ground. Units: none.");
+    binder.bind("Shaft", tests.shaft, "Interfaces between pile and ground, comma-separated. Units: none.");
+    binder.bind("Base", tests.base, "Interfaces between pile and ground, comma-separated. Units: none.");
     binder.bind("Displacement", tests.displacement, positive,
                 "Of the head, usually 0.1 diameters: capacities are peaks up to there. Units: [m].");
     binder.bind("Rate", tests.rate, non_negative, "Of the head; 0: no time passes. Units: [m/s].");
@@ -90,7 +105,7 @@ namespace apps
       }
   }
 
-  Capacity compute_capacity(const std::vector<LoadTestPoint> &curve)
+  Capacity compute_capacity(const std::vector<LoadTestPoint> &curve, const double way)
   {
     Capacity capacity;
     if (curve.empty())
@@ -104,7 +119,16 @@ namespace apps
           }
         capacity.base = std::max(capacity.base, point.base_force);
       }
+    capacity.is_whole = !curve.empty() && curve.back().head_displacement > way * (1. - same);
+    capacity.is_peak = !curve.empty() && curve.back().shaft_force < capacity.shaft;
     return capacity;
+  }
+
+  double compute_growth_per_decade(const AgedCapacity &early, const AgedCapacity &late)
+  {
+    if (!(early.age > 0. && late.age > early.age))
+      return std::numeric_limits<double>::quiet_NaN();
+    return (late.shaft / early.shaft - 1.) / std::log10(late.age / early.age);
   }
 
   template <int dim>
@@ -119,7 +143,12 @@ namespace apps
         const double age = std::strtod(row[0].c_str(), nullptr);
         const bool is_history = age <= run_.time * (1. + same);
         if (is_history)
-          ages.push_back(age);
+          {
+            ages.push_back(age);
+            const bool is_known = row[5] == finished || row[6] == "1"; // columns "outcome", "is_peak"
+            capacities_.push_back(
+                {age, is_known ? std::strtod(row[2].c_str(), nullptr) : std::numeric_limits<double>::quiet_NaN()});
+          }
         return is_history;
       });
     else if (run_.is_first_rank)
@@ -146,7 +175,7 @@ namespace apps
         const fem::Phase phase = problem.get_phase();
         fem::write_checkpoint(branch, problem, progress);
         std::string outcome;
-        const auto curve = push(problem, progress.time, outcome);
+        const auto curve = push(problem, age, progress.time, outcome);
         fem::read_checkpoint(branch, problem);
         problem.set_phase(phase);
         write(age, curve, outcome);
@@ -155,9 +184,21 @@ namespace apps
   }
 
   template <int dim>
-  std::vector<LoadTestPoint> LoadTests<dim>::push(fem::QuasiStaticProblem<dim> &problem, const double time,
-                                                  std::string &outcome) const
+  std::unique_ptr<HistoryFile> LoadTests<dim>::open_shaft_table(const fem::QuasiStaticProblem<dim> &problem,
+                                                                const double age) const
   {
+    if (!run_.is_first_rank)
+      return nullptr;
+    std::vector<std::string> columns = name_shaft_columns(problem.get_material());
+    columns.insert(columns.begin(), "head_displacement_m");
+    return std::make_unique<HistoryFile>(fmt::format("{}/load_tests/{:g}_s_shaft.csv", run_.folder, age), columns);
+  }
+
+  template <int dim>
+  std::vector<LoadTestPoint> LoadTests<dim>::push(fem::QuasiStaticProblem<dim> &problem, const double age,
+                                                  const double time, std::string &outcome) const
+  {
+    const auto shaft_table = open_shaft_table(problem, age);
     std::vector<LoadTestPoint> curve;
     double start = 0.; // of the head [m]
     fem::StepObserver observer;
@@ -166,8 +207,17 @@ namespace apps
       if (curve.empty())
         start = head.displacement[2];
       curve.push_back({start - head.displacement[2], -head.force[2],
-                       -find(report.boundaries, parameters_.shaft).force[2],
-                       -find(report.boundaries, parameters_.base).force[2]});
+                       sum_downwards(report.boundaries, parameters_.shaft),
+                       sum_downwards(report.boundaries, parameters_.base)});
+      for (const auto &values : compute_shaft_rows(problem, parameters_.shaft, run_.surface_level))
+        if (shaft_table)
+          {
+            HistoryRow row;
+            row.add(curve.back().head_displacement).add(static_cast<std::uint64_t>(values[0]));
+            for (std::size_t i = 1; i < values.size(); ++i)
+              row.add(values[i]);
+            shaft_table->write(row);
+          }
     };
     fem::LoadStepping<dim> stepping(problem, make_stages(parameters_), stepping_, observer);
     fem::Progress progress;
@@ -175,7 +225,7 @@ namespace apps
     progress.stage_values = problem.get_values();
     stepping.set_progress(progress);
     const fem::RunResult result = stepping.run();
-    outcome = result.status == fem::StepStatus::ok ? "finished" : fem::get_reason(result.status);
+    outcome = result.status == fem::StepStatus::ok ? finished : fem::get_reason(result.status);
     std::replace(outcome.begin(), outcome.end(), ',', ';');
     return curve;
   }
@@ -191,10 +241,16 @@ namespace apps
     for (const LoadTestPoint &point : curve)
       table.write(
           HistoryRow().add(point.head_displacement).add(point.head_force).add(point.shaft_force).add(point.base_force));
-    const Capacity capacity = compute_capacity(curve);
+    const Capacity capacity = compute_capacity(curve, parameters_.displacement);
     HistoryRow row;
+    const bool is_known = capacity.is_whole || capacity.is_peak;
+    const AgedCapacity aged = {age, is_known ? capacity.shaft : std::numeric_limits<double>::quiet_NaN()};
     row.add(age).add(run_.seed).add(capacity.shaft).add(capacity.base).add(capacity.head_displacement).add(outcome);
+    row.add(capacity.is_peak ? 1 : 0);
+    row.add(capacities_.empty() ? std::numeric_limits<double>::quiet_NaN()
+                                : compute_growth_per_decade(capacities_.back(), aged));
     file_->write(row);
+    capacities_.push_back(aged);
   }
 
   template class LoadTests<2>;

@@ -15,10 +15,10 @@ namespace apps
   /** Load tests on a pile at chosen ages: its head is pushed down, and the run goes on as if it had not been. */
   struct LoadTestParameters
   {
-    std::vector<double> ages; ///< times of the run [s], ascending; empty: no test
-    std::string head = "head", shaft = "shaft", base = "base";
-    double displacement = 0.04; ///< of the head, downwards [m], > 0
-    double rate = 0.;           ///< of the head [m/s]; 0: time stands still
+    std::vector<double> ages;                                  ///< times of the run [s], ascending; empty: no test
+    std::string head = "head", shaft = "shaft", base = "base"; ///< shaft, base: comma-separated names
+    double displacement = 0.04;                                ///< of the head, downwards [m], > 0
+    double rate = 0.;                                          ///< of the head [m/s]; 0: time stands still
     unsigned int n_increments = 20;
     std::size_t condition = -1ul; ///< place of the head's condition among those of the problem
   };
@@ -36,10 +36,24 @@ namespace apps
   {
     double shaft = 0., base = 0.;  ///< largest forces of the test [N]
     double head_displacement = 0.; ///< at the largest shaft force [m]
+    bool is_peak = false;          ///< the shaft's force fell again before the test ended
+    bool is_whole = false;         ///< the head has gone all of its way
   };
 
-  /** The peaks of a curve. NaN without points. */
-  Capacity compute_capacity(const std::vector<LoadTestPoint> &curve);
+  /** A shaft's capacity at its age. */
+  struct AgedCapacity
+  {
+    double age;   ///< [s]
+    double shaft; ///< [N]; NaN: the test ended early, its force still rising
+  };
+
+  /** The peaks of a curve. NaN without points. @param way  that the head is to go [m] */
+  Capacity compute_capacity(const std::vector<LoadTestPoint> &curve, double way);
+
+  /** Growth of a capacity per tenfold age, as a share of the earlier one: (late/early - 1) / log10(late age/early age)
+   *  [-]. NaN where the earlier age is not positive, since no logarithm counts from there, or a capacity is not known.
+   */
+  double compute_growth_per_decade(const AgedCapacity &early, const AgedCapacity &late);
 
   /** Binds "Load tests". */
   void bind_load_tests(ParameterBinder &binder, LoadTestParameters &tests);
@@ -53,7 +67,8 @@ namespace apps
    * The load tests of a run. A test branches off a checkpoint: problem and material are written to a file, go through
    * the test, and are read back, bit by bit.
    *
-   * Writes capacity.csv, one row a test, and load_tests/AGE_s.csv, its curve. Collective.
+   * Writes capacity.csv, one row a test, load_tests/AGE_s.csv, its curve, and load_tests/AGE_s_shaft.csv, the Gauss
+   * points beside the shaft along it. Collective.
    */
   template <int dim>
   class LoadTests
@@ -66,7 +81,8 @@ namespace apps
       std::uint64_t seed = 1;
       bool is_first_rank = true;
       bool is_resumed = false;
-      double time = 0.; ///< of the checkpoint that a resumed run goes on from [s]
+      double time = 0.;          ///< of the checkpoint that a resumed run goes on from [s]
+      double surface_level = 0.; ///< of the ground [m]
     };
 
     LoadTests(const LoadTestParameters &parameters, const Run &run, const fem::SteppingParameters &stepping);
@@ -75,14 +91,20 @@ namespace apps
     void run_due(fem::QuasiStaticProblem<dim> &problem, const std::vector<fem::Stage> &stages,
                  const fem::Progress &progress);
 
+    /** Of the tests so far, by age; on the first rank. */
+    const std::vector<AgedCapacity> &get_capacities() const { return capacities_; }
+
   private:
-    std::vector<LoadTestPoint> push(fem::QuasiStaticProblem<dim> &problem, double time, std::string &outcome) const;
+    std::vector<LoadTestPoint> push(fem::QuasiStaticProblem<dim> &problem, double age, double time,
+                                    std::string &outcome) const;
     void write(double age, const std::vector<LoadTestPoint> &curve, const std::string &outcome);
+    std::unique_ptr<HistoryFile> open_shaft_table(const fem::QuasiStaticProblem<dim> &problem, double age) const;
 
     LoadTestParameters parameters_;
     Run run_;
     fem::SteppingParameters stepping_;
-    std::set<double> done_;             ///< ages
-    std::unique_ptr<HistoryFile> file_; ///< on the first rank
+    std::set<double> done_;                ///< ages
+    std::vector<AgedCapacity> capacities_; ///< of the tests so far
+    std::unique_ptr<HistoryFile> file_;    ///< on the first rank
   };
 } // namespace apps

@@ -18,6 +18,7 @@ namespace coupling
     {
       void_ratio,
       void_ratio_with_fines,
+      fines_share,
       coordination,
       time_to_fracture,
       broken_instant,
@@ -34,6 +35,7 @@ namespace coupling
       const auto contacts = dem::list_contacts(state, rev.get_law());
       row[void_ratio] = dem::compute_void_ratio(state);
       row[void_ratio_with_fines] = dem::compute_void_ratio_with_fines(state);
+      row[fines_share] = 1. - dem::compute_solid_volume(state.grains) / state.initial_solid_volume;
       row[coordination] =
           dem::compute_coordination(contacts, state.grains.size(), rev.get_model().dynamics.motion.is_rotation_free)
               .without_rattlers;
@@ -72,9 +74,8 @@ namespace coupling
 
   std::vector<std::string> RevMaterial::get_field_names() const
   {
-    return {"void ratio [-]",     "void ratio with fines [-]", "coordination [-]", "time to fracture [s]",
-            "broken at once [-]", "broken delayed [-]",        "grains [-]",       "cycles [-]",
-            "REV cost [s]"};
+    return {"void ratio [-]",     "void ratio with fines [-]", "fines [-]",  "coordination [-]", "time to fracture [s]",
+            "broken at once [-]", "broken delayed [-]",        "grains [-]", "cycles [-]",       "REV cost [s]"};
   }
 
   void RevMaterial::update_fields()

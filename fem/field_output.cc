@@ -22,20 +22,6 @@ namespace fem
       return dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0;
     }
 
-    /** Names in VTU files hold letters, digits and single underscores: "void ratio [-]" becomes "void_ratio". */
-    std::string compute_field_name(const std::string &name)
-    {
-      std::string kept;
-      for (const char c : name)
-        if (std::isalnum(static_cast<unsigned char>(c)))
-          kept += c;
-        else if (!kept.empty() && kept.back() != '_')
-          kept += '_';
-      while (!kept.empty() && kept.back() == '_')
-        kept.pop_back();
-      return kept;
-    }
-
     /** Cell averages by name, one value an active cell. */
     using CellFields = std::vector<std::pair<std::string, dealii::Vector<float>>>;
 
@@ -95,6 +81,19 @@ namespace fem
       return line.substr(value, line.find('"', value) - value);
     }
   } // namespace
+
+  std::string compute_field_name(const std::string &name)
+  {
+    std::string kept;
+    for (const char c : name)
+      if (std::isalnum(static_cast<unsigned char>(c)))
+        kept += c;
+      else if (!kept.empty() && kept.back() != '_')
+        kept += '_';
+    while (!kept.empty() && kept.back() == '_')
+      kept.pop_back();
+    return kept;
+  }
 
   FieldOutput::FieldOutput(const std::string &folder, const std::string &name, std::optional<unsigned int> resume_step)
       : folder_(folder), name_(name)

@@ -9,6 +9,9 @@
 
 namespace fem
 {
+  /** A field's name as files have it, letters, digits and single underscores: "void ratio [-]" becomes "void_ratio". */
+  std::string compute_field_name(const std::string &name);
+
   /**
    * Writes FOLDER/fields/NAME_0001.pvtu and so on, numbered by the committed step, and FOLDER/NAME.pvd with their times
    * after each output: valid if the run dies. Displacement [m] at the nodes; a cell's averages of stress [Pa] and

@@ -1,5 +1,8 @@
 #include "fem/quasi_static_problem.h"
 
+#include <deal.II/base/quadrature_lib.h>
+#include <deal.II/fe/fe_values.h>
+
 #include <algorithm>
 #include <limits>
 #include <stdexcept>
@@ -31,6 +34,35 @@ namespace fem
     for (std::size_t i = 0; i < states.size(); ++i)
       states[i] = compute_point_state(i);
     return states;
+  }
+
+  template <int dim>
+  std::vector<InterfacePoint> QuasiStaticProblem<dim>::compute_interface_points(const std::string &interface) const
+  {
+    std::vector<InterfacePoint> points;
+    const auto found = mesh_.interface_ids.find(interface);
+    if (found == mesh_.interface_ids.end())
+      return points;
+    dealii::FEFaceValues<dim> middle(*mapping_, element_, dealii::QMidpoint<dim - 1>(),
+                                     dealii::update_normal_vectors | dealii::update_quadrature_points);
+    std::size_t first_point = 0;
+    for (const auto &cell : dof_handler_.active_cell_iterators())
+      {
+        if (!cell->is_locally_owned())
+          continue;
+        if (!parameters_.pile_regions.contains(cell->material_id()))
+          for (const unsigned int f : cell->face_indices())
+            if (!cell->face(f)->at_boundary() && cell->face(f)->manifold_id() == found->second)
+              {
+                middle.reinit(cell, f);
+                const dealii::Tensor<1, 3> normal = -embed<dim>(middle.normal_vector(0));
+                const dealii::Tensor<1, 3> centre = embed<dim>(middle.quadrature_point(0));
+                for (std::size_t i = first_point; i < first_point + get_n_points_per_cell(); ++i)
+                  points.push_back({compute_point_state(i), normal, (positions_[i] - centre) * normal});
+              }
+        first_point += get_n_points_per_cell();
+      }
+    return points;
   }
 
   template <int dim>

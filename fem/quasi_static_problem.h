@@ -39,6 +39,14 @@ namespace fem
     dealii::SymmetricTensor<2, 3> strain; ///< logarithmic (small kinematics: linear) [-], tension-positive
   };
 
+  /** A Gauss point of a cell that has a face on an interface, on the side that is not pile. */
+  struct InterfacePoint
+  {
+    PointState state;
+    dealii::Tensor<1, 3> normal; ///< initial one of the face, out of the pile [-]
+    double distance = 0.;        ///< initial, from the face along the normal [m]
+  };
+
   /**
    * One boundary value problem: mesh, unknowns, conditions and the material at the Gauss points.
    *
@@ -101,6 +109,10 @@ namespace fem
 
     /** Committed states of this rank's Gauss points, cell by cell. */
     std::vector<PointState> compute_point_states() const;
+
+    /** Committed states of this rank's Gauss points in the ground's cells beside an interface, cell by cell; none where
+     *  the mesh has no interface of that name. */
+    std::vector<InterfacePoint> compute_interface_points(const std::string &interface) const;
 
     /** What a checkpoint must hold of this rank's part beside the material: see checkpoint.h. */
     struct State

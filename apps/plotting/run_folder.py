@@ -12,7 +12,7 @@ import numpy as np
 
 from .errors import BadInput, NotInThisRun
 
-TEXT_COLUMNS = {"kind", "cause"}
+TEXT_COLUMNS = {"kind", "cause", "outcome"}
 
 
 class Table:

@@ -21,7 +21,7 @@ SOURCE = ARGUMENTS.parse_known_args()[0].source
 sys.path[:0] = [str(SOURCE / "apps"), str(SOURCE / "tests" / "support")]
 
 import plot_runs  # noqa: E402
-from plotting import (curves, fluctuation, fracture_times, grading, rev_picture, run_folder, snapshot,  # noqa: E402
+from plotting import (curves, fluctuation, fracture_times, grading, rev_picture, run_folder, shaft, snapshot,  # noqa: E402
                       specimen, stress_path, vtu)
 
 SAMPLES = SOURCE / "tests" / "regression" / "deal_ii_fields"
@@ -145,6 +145,23 @@ class Measures(unittest.TestCase):
         packing = [row for row in rows if row["cause"] == "delayed" and row["generation"] == "0"]
         self.assertEqual(sum(int(row["grains_of_the_packing"]) for row in packing), 216)
         self.assertEqual([row["grains_of_the_packing"] for row in rows if row["generation"] == "1"], ["nan"])
+
+
+class Shaft(unittest.TestCase):
+    """Law: the mean over the shaft of a stress that is linear in depth is that at the middle of its points."""
+
+    def test_mean_of_the_points_nearest_to_the_wall(self):
+        folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
+        depths = (4., 0.5, 1.5)  # in no order, unevenly
+        with open(folder / "shaft.csv", "w", encoding="utf-8") as file:
+            file.write("age_s,stage,step,point,depth_m,distance_m,radial_stress_Pa\n")
+            for step, age in enumerate((0., 1e4)):
+                for i, depth in enumerate(depths):
+                    file.write(f"{age},1,{step},{2 * i},{depth},0.01,{(step + 1) * 1e5 * depth}\n")
+                    file.write(f"{age},1,{step},{2 * i + 1},{depth},0.04,7e9\n")  # further off: left out
+        ages, _, means = shaft.compute_means(run_folder.Table(folder / "shaft.csv"), "radial_stress_Pa")
+        np.testing.assert_array_equal(ages, [0., 1e4])
+        np.testing.assert_allclose(means, [2.25e5, 4.5e5], rtol=1e-14)
 
 
 class StressPath(unittest.TestCase):
