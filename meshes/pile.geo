@@ -6,6 +6,11 @@
 //   gmsh -2 -format msh22 -setnumber outer 30 -setnumber depth 30 -setnumber n_outwards 7 -setnumber growth_outwards 2
 //     -setnumber n_along 6 -setnumber growth_upwards 1.4 -setnumber n_below 6 -setnumber growth_down 2
 //     pile.geo -o pile_wide.msh
+//   gmsh -2 -format msh22 -setnumber radius 0.2 -setnumber layer 0.0345 pile.geo -o pile_wished.msh
+//   gmsh -2 -format msh22 -setnumber radius 0.15 -setnumber layer 0.0436 pile.geo -o pile_first_radius.msh
+//   gmsh -2 -format msh22 -setnumber radius 0.2 -setnumber layer 0.01 -setnumber n_outwards 4 pile.geo -o pile_slip.msh
+//   gmsh -2 -format msh22 -setnumber refine 2 -setnumber n_outwards 4 -setnumber growth_outwards 2.2 -setnumber n_along 5
+//     -setnumber n_below 3 pile.geo -o pile_large.msh
 //
 // Other numbers can be set in the same way: radius is that of the pile's hole as the mesh begins, which a run may
 // widen (0.125 here, to a pile of 0.25); gmsh -setnumber radius 0.25 makes the mesh of a pile wished in place.
