@@ -18,18 +18,29 @@ namespace apps
     using Row = std::vector<double>;
     using Rows = std::vector<Row>;
 
+    /** Fields of the state alone: what a REV cost depends on the machine, and no other run would write the same bytes.
+     */
+    bool is_of_state(const std::string &name)
+    {
+      return name != coupling::cost_field;
+    }
+
     std::vector<std::string> name_field_columns(const fem::ConstitutiveModel &material)
     {
       std::vector<std::string> names;
       for (const std::string &name : material.get_field_names())
-        names.push_back(fem::compute_field_name(name));
+        if (is_of_state(name))
+          names.push_back(fem::compute_field_name(name));
       return names;
     }
 
     void append_fields(const fem::ConstitutiveModel &material, const fem::PointId id, Row &row)
     {
+      const std::vector<std::string> names = material.get_field_names();
       const std::vector<double> fields = material.compute_fields(id);
-      row.insert(row.end(), fields.begin(), fields.end());
+      for (std::size_t i = 0; i < names.size(); ++i)
+        if (is_of_state(names[i]))
+          row.push_back(fields[i]);
     }
 
     /** Rows of all ranks, in the order of the points. @param id_column  where each has its point's number */

@@ -30,6 +30,8 @@ namespace coupling
     double void_ratio = 0., void_ratio_with_fines = 0.; ///< means over the points [-]
   };
 
+  inline constexpr auto cost_field = "REV cost [s]"; ///< processor time of a REV in the last step
+
   /**
    * A material whose answers come from REVs, one a Gauss point (coupling/README.md, docs/theory.md section 8).
    *

@@ -75,7 +75,7 @@ namespace coupling
   std::vector<std::string> RevMaterial::get_field_names() const
   {
     return {"void ratio [-]",     "void ratio with fines [-]", "fines [-]",  "coordination [-]", "time to fracture [s]",
-            "broken at once [-]", "broken delayed [-]",        "grains [-]", "cycles [-]",       "REV cost [s]"};
+            "broken at once [-]", "broken delayed [-]",        "grains [-]", "cycles [-]",       cost_field};
   }
 
   void RevMaterial::update_fields()
