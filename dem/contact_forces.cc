@@ -1,5 +1,6 @@
 #include "dem/contact_forces.h"
 
+#include "dem/block_shares.h"
 #include "dem/fracture.h"
 #include "dem/pair_loop.h"
 
@@ -59,19 +60,6 @@ namespace dem
       return even[3] + odd[3];
     }
 
-    /** Grains of the largest block: blocks differ by one at most. */
-    std::size_t count_largest_block(const ContactNetwork &network)
-    {
-      const std::size_t n_grains = network.blocks.back().grain_end, n_blocks = network.blocks.size();
-      return (n_grains + n_blocks - 1) / n_blocks;
-    }
-
-    /** Rows from `first` on as if they belonged to the grains from `grain` on. */
-    Row *shift_rows(Row *const first, const std::size_t grain)
-    {
-      return reinterpret_cast<Row *>(reinterpret_cast<std::uintptr_t>(first) - grain * sizeof(Row));
-    }
-
     /** What is to be done with the blocks of a network, in an order that threads agree upon. */
     class BlockRun
     {
@@ -80,18 +68,13 @@ namespace dem
           : task_(task), network_(network), forces_(forces), is_complete_(is_complete)
       {}
 
-      /** The pairs of blocks from `begin` to `end`, and all of those blocks that no earlier one reaches into. */
-      void compute(const std::size_t begin, const std::size_t end, const std::size_t thread) const
+      /** The pairs of block k, and all of it once no other thread's pairs reach into it. */
+      void compute(const std::size_t k, const std::size_t thread, const bool is_complete) const
       {
-        for (std::size_t k = begin; k < end; ++k)
-          {
-            // Pairs reach forwards only: a block is complete after its own, unless another thread's reach into it.
-            const bool is_complete = network_.blocks[k].first_source >= begin;
-            const ForceRows rows = is_complete && is_complete_ ? get_passing_rows(k, thread) : forces_.get_rows();
-            forces_.block_sums[k] = compute_(task_, network_.blocks[k], network_, forces_, rows);
-            if (is_complete)
-              finish(k, rows);
-          }
+        const ForceRows rows = is_complete && is_complete_ ? get_passing_rows(k, thread) : forces_.get_rows();
+        forces_.block_sums[k] = compute_(task_, network_.blocks[k], network_, forces_, rows);
+        if (is_complete)
+          finish(k, rows);
       }
 
       /** A block that other threads' pairs reach into. @pre all pairs have been computed */
@@ -137,72 +120,6 @@ namespace dem
       const Compute compute_ = choose(task_.law.roughness > 0., task_.motion.is_rotation_free);
     };
 
-    ContactSums add_up(const std::vector<ContactSums> &parts)
-    {
-      ContactSums sums;
-      for (const ContactSums &part : parts)
-        {
-          sums.force_times_branch += part.force_times_branch;
-          sums.normal_force += part.normal_force;
-          sums.stiffness += part.stiffness;
-          sums.turning_stiffness += part.turning_stiffness;
-          sums.stiffness_moment += part.stiffness_moment;
-          sums.n_touching += part.n_touching;
-        }
-      return sums;
-    }
-
-    void update_largest_stress(const ContactNetwork &network, const Grains &grains, Forces &forces)
-    {
-      forces.largest_stress.assign(grains.size(), 0.);
-      for (std::size_t k = 0; k < network.size(); ++k)
-        if (network.status[k] != PairStatus::is_apart)
-          {
-            const std::uint32_t a = network.a[k], b = network.b[k];
-            const double radius = compute_effective_radius(grains.place[a].w, grains.place[b].w);
-            const double stress = compute_contact_stress(forces.normal_force[k], radius, forces.overlap[k]);
-            forces.largest_stress[a] = std::max(forces.largest_stress[a], stress);
-            forces.largest_stress[b] = std::max(forces.largest_stress[b], stress);
-          }
-    }
-
-    /** Share of the pairs that belongs to the threads before a thread. */
-    double compute_share_before(const std::size_t number, const std::size_t n_threads)
-    {
-      // The first thread completes its blocks on the way, which takes a fifth of the time of their pairs; nearly all
-      // those of the others wait until all pairs have been computed.
-      constexpr double completion = 0.2;
-      const double others = static_cast<double>(n_threads) - 1., first = 1. / (1. + (1. + completion) * others);
-      return number == 0 ? 0. : first + (1. - first) * (static_cast<double>(number) - 1.) / others;
-    }
-
-    /** First block of a thread's share of the pairs. */
-    std::size_t find_share(const ContactNetwork &network, const std::size_t number, const std::size_t n_threads)
-    {
-      if (number == n_threads)
-        return network.blocks.size();
-      const auto is_before = [](const GrainBlock &block, const double pair) {
-        return static_cast<double>(block.near_begin) < pair;
-      };
-      const auto begin = network.blocks.begin(), end = network.blocks.end();
-      const double pair = compute_share_before(number, n_threads) * static_cast<double>(network.size());
-      return std::lower_bound(begin, end, pair, is_before) - begin;
-    }
-
-    /** Blocks that pairs of another thread reach into: complete once all pairs have been computed. */
-    std::vector<std::size_t> list_incomplete(const ContactNetwork &network, const std::size_t n_threads)
-    {
-      std::vector<std::size_t> blocks;
-      for (std::size_t number = 1; number < n_threads; ++number)
-        {
-          const std::size_t begin = find_share(network, number, n_threads);
-          for (std::size_t k = begin; k < find_share(network, number + 1, n_threads); ++k)
-            if (network.blocks[k].first_source < begin)
-              blocks.push_back(k);
-        }
-      return blocks;
-    }
-
     void make_room(const ForceTask &task, const ContactNetwork &network, const std::size_t n_threads, Forces &forces)
     {
       const std::size_t n_grains = task.state.grains.size(), n_far = network.n_far;
@@ -224,17 +141,45 @@ namespace dem
     }
   } // namespace
 
+  ContactSums add_up(const std::vector<ContactSums> &parts)
+  {
+    ContactSums sums;
+    for (const ContactSums &part : parts)
+      {
+        sums.force_times_branch += part.force_times_branch;
+        sums.normal_force += part.normal_force;
+        sums.stiffness += part.stiffness;
+        sums.turning_stiffness += part.turning_stiffness;
+        sums.stiffness_moment += part.stiffness_moment;
+        sums.n_touching += part.n_touching;
+      }
+    return sums;
+  }
+
+  void update_largest_stress(const ContactNetwork &network, const Grains &grains, Forces &forces)
+  {
+    forces.largest_stress.assign(grains.size(), 0.);
+    for (std::size_t k = 0; k < network.size(); ++k)
+      if (network.status[k] != PairStatus::is_apart)
+        {
+          const std::uint32_t a = network.a[k], b = network.b[k];
+          const double radius = compute_effective_radius(grains.place[a].w, grains.place[b].w);
+          const double stress = compute_contact_stress(forces.normal_force[k], radius, forces.overlap[k]);
+          forces.largest_stress[a] = std::max(forces.largest_stress[a], stress);
+          forces.largest_stress[b] = std::max(forces.largest_stress[b], stress);
+        }
+  }
+
   ContactSums compute_contact_forces(const ForceTask &task, ContactNetwork &network, Forces &forces, Team &team,
                                      const BlockHook &is_complete)
   {
-    const std::size_t n_threads = team.size();
-    make_room(task, network, n_threads, forces);
+    make_room(task, network, team.size(), forces);
     const BlockRun run(task, network, forces, is_complete);
-    team.run(n_threads, [&](const std::size_t number) {
-      run.compute(find_share(network, number, n_threads), find_share(network, number + 1, n_threads), number);
-    });
-    const std::vector<std::size_t> rest = list_incomplete(network, n_threads);
-    team.run(rest.size(), [&](const std::size_t i) { run.complete(rest[i]); });
+    share_blocks(network, team,
+                 {[&run](const std::size_t k, const std::size_t thread, const bool is_complete) {
+                    run.compute(k, thread, is_complete);
+                  },
+                  [&run](const std::size_t k) { run.complete(k); }});
     if (task.motion.has_contact_stress)
       update_largest_stress(network, task.state.grains, forces);
     return add_up(forces.block_sums);

@@ -81,4 +81,10 @@ namespace dem
   /** The same by the calling thread alone. */
   ContactSums compute_contact_forces(const RevState &state, const ContactLaw &law, const Motion &motion,
                                      ContactNetwork &network, Forces &forces);
+
+  /** Sums of the blocks, in their order. */
+  ContactSums add_up(const std::vector<ContactSums> &parts);
+
+  /** Largest contact stress of each grain from the normal forces and overlaps of the pairs. */
+  void update_largest_stress(const ContactNetwork &network, const Grains &grains, Forces &forces);
 } // namespace dem
