@@ -35,7 +35,7 @@ namespace dem
         const auto broken = grow_cracks(dynamics.get_largest_contact_stress(), dt);
         if (broken.empty())
           return;
-        state_.contacts = collect_memories(dynamics.get_network());
+        dynamics.store_contacts();
         split_grains(state_, broken, list_contacts(state_, law_), rule_.fracture, rule_.identity);
         dynamics.rebuild();
         dynamics.compute_forces();

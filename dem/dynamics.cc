@@ -1,12 +1,14 @@
 #include "dem/dynamics.h"
 
 #include "dem/memory.h"
+#include "dem/single_dynamics.h"
 #include "dem/stopwatch.h"
 #include "dem/wall_contacts.h"
 
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <stdexcept>
 
 namespace dem
 {
@@ -49,10 +51,18 @@ namespace dem
   {
     motion_.is_rotation_free = rule.motion.is_rotation_free;
     motion_.has_contact_stress = rule.has_contact_stress;
+    if (rule.precision == Precision::single)
+      {
+        if (state.cell.has_walls())
+          throw std::invalid_argument("a REV between rigid walls moves in double precision only");
+        single_ = std::make_unique<SingleDynamics>();
+      }
     if (!rule.motion.has_true_masses)
       take_velocities_away(state_.grains);
     rebuild();
   }
+
+  Dynamics::~Dynamics() = default;
 
   void Dynamics::rebuild()
   {
@@ -72,10 +82,14 @@ namespace dem
   {
     const Stopwatch watch(profile_[Part::search]);
     reduce_lattice(state_);
+    if (single_)
+      round_places(state_.grains);
     const double skin = rule_.skin_share * compute_mean_radius(state_.grains);
     is_wide_enough_ = dem::is_wide_enough(state_.cell, compute_reach(state_.grains, skin));
     if (is_wide_enough_)
       network_ = build_contact_network(state_, skin, search_);
+    if (is_wide_enough_ && single_)
+      single_->load(state_, network_);
     travel_ = 0.;
   }
 
@@ -85,11 +99,13 @@ namespace dem
     // are no numbers nothing is looked for: is_finite() tells.
     if (!(travel_ > 0.5 * network_.skin))
       return;
+    if (single_)
+      single_->write_grains(network_, state_.grains);
     const double used = compute_used_skin(network_, state_.cell, state_.grains);
     travel_ = 0.5 * used;
     if (!(used > 0.8 * network_.skin))
       return;
-    state_.contacts = collect_memories(network_);
+    store_contacts();
     build_network();
   }
 
@@ -100,7 +116,14 @@ namespace dem
       return;
     const Stopwatch watch(profile_[Part::forces]);
     const ForceTask task{state_, law_, motion_};
-    sums_ = compute_contact_forces(task, network_, forces_, team_);
+    if (single_)
+      {
+        sums_ = single_->compute_forces(task, network_, forces_, team_);
+        single_->write_forces(forces_);
+        single_->write_grains(network_, state_.grains);
+      }
+    else
+      sums_ = compute_contact_forces(task, network_, forces_, team_);
     if (state_.cell.has_walls())
       add_wall_forces(task, network_, forces_, sums_);
     if (!has_masses_)
@@ -120,11 +143,18 @@ namespace dem
         advance_grains(state_.grains, block.grain_begin, block.grain_end, {state_.cell, rows, kinetics_, rule_.motion});
   }
 
+  void Dynamics::move_block(const std::size_t k, const TwinRow *const forces)
+  {
+    block_steps_[k] = single_->move(network_.blocks[k], {state_.cell, forces, kinetics_, rule_.motion});
+  }
+
   void Dynamics::move()
   {
     const Stopwatch watch(profile_[Part::motion]);
     block_steps_.resize(network_.blocks.size());
-    team_.run(network_.blocks.size(), [this](const std::size_t k) { move_block(k, forces_.get_rows()); });
+    team_.run(network_.blocks.size(), [this](const std::size_t k) {
+      single_ ? move_block(k, single_->get_forces()) : move_block(k, forces_.get_rows());
+    });
   }
 
   void Dynamics::compute_forces_and_move(const bool has_stress)
@@ -141,8 +171,10 @@ namespace dem
       return;
     block_steps_.resize(network_.blocks.size());
     motion_.has_sums = has_stress;
-    sums_ = compute_contact_forces({state_, law_, motion_}, network_, forces_, team_,
-                                   [this](const std::size_t k, const ForceRows &rows) { move_block(k, rows); });
+    const ForceTask task{state_, law_, motion_};
+    const auto move = [this](const std::size_t k, const auto &rows) { move_block(k, rows); };
+    sums_ = single_ ? single_->compute_forces(task, network_, forces_, team_, move)
+                    : compute_contact_forces(task, network_, forces_, team_, move);
     motion_.has_sums = true;
   }
 
@@ -158,9 +190,18 @@ namespace dem
     ++n_cycles_;
   }
 
+  void Dynamics::store_contacts()
+  {
+    if (single_)
+      single_->write_shear(network_);
+    state_.contacts = collect_memories(network_);
+  }
+
   void Dynamics::store()
   {
-    state_.contacts = collect_memories(network_);
+    store_contacts();
+    if (single_)
+      single_->write_grains(network_, state_.grains);
     state_.stress = compute_stress();
     state_.unbalanced_ratio = compute_unbalanced_ratio();
     state_.counters.cycles += n_cycles_;
@@ -182,12 +223,14 @@ namespace dem
     double sum = state_.cell.edges.sum();
     for (const Row &place : state_.grains.place)
       sum += place.x + place.y + place.z;
+    for (const Row &velocity : state_.grains.velocity) // whole counts are always numbers
+      sum += velocity.x + velocity.y + velocity.z;
     return std::isfinite(sum);
   }
 
   std::size_t Dynamics::count_bytes() const
   {
-    return network_.count_bytes() + search_.count_bytes() +
+    return network_.count_bytes() + search_.count_bytes() + (single_ ? single_->count_bytes() : 0) +
            dem::count_bytes(forces_.force, forces_.torque, forces_.largest_stress, forces_.far_force,
                             forces_.far_torque, forces_.passing_force, forces_.passing_torque, forces_.normal_force,
                             forces_.overlap, forces_.block_sums);

@@ -1,14 +1,21 @@
 #pragma once
 
 #include "dem/motion.h"
+#include "dem/precision.h"
 #include "dem/profile.h"
+
+#include <memory>
 
 namespace dem
 {
+  class SingleDynamics;
+  struct TwinRow;
+
   /** Parameters of a REV's motion. */
   struct DynamicsRule
   {
     MotionRule motion;
+    Precision precision = Precision::full;
     double skin_share = 0.2;         ///< skin of the contact network over the mean radius [-]
     bool has_contact_stress = false; ///< the largest contact stress of each grain is kept up to date
     std::size_t n_threads = 1;       ///< that share the grains of one REV; results do not depend on it
@@ -24,8 +31,10 @@ namespace dem
   class Dynamics
   {
   public:
-    /** Scaled masses: the grains start at rest. @param state outlives this. */
+    /** Scaled masses: the grains start at rest. Single precision: their places are rounded to whole 2^-32 of an edge.
+     *  Throws std::invalid_argument for single precision between walls. @param state outlives this. */
     Dynamics(RevState &state, const ContactLaw &law, const DynamicsRule &rule);
+    ~Dynamics();
 
     void compute_forces();
 
@@ -33,8 +42,8 @@ namespace dem
     void move();
 
     /** For cycles in which nobody asks before the grains move on: each block moves while it lies in the cache. Forces
-     * and what follows from them are not known afterwards. @param has_stress  whether stress and stiffness are; else
-     * they are not numbers, and no time goes into them */
+     * and what follows from them are not known afterwards, nor in single precision the state's grains. @param
+     * has_stress whether stress and stiffness are; else they are not numbers, and no time goes into them */
     void compute_forces_and_move(bool has_stress);
 
     /** Strains the cell, F <- (1 + increment) F, and ends the cycle. */
@@ -46,6 +55,9 @@ namespace dem
     /** For a state whose grains have been replaced from outside: network and arrays anew; forces computed again in the
      *  same cycle follow no motion, since contacts that stay have followed it already. */
     void rebuild();
+
+    /** Writes the shear history into the state. */
+    void store_contacts();
 
     /** Writes shear history, stress and unbalanced ratio into the state; scaled masses: takes velocities away. */
     void store();
@@ -76,6 +88,7 @@ namespace dem
     void build_network();
     void update_network();
     void move_block(std::size_t k, const ForceRows &rows);
+    void move_block(std::size_t k, const TwinRow *forces);
 
     RevState &state_;
     const ContactLaw &law_;
@@ -84,6 +97,7 @@ namespace dem
     ContactNetwork network_;
     Forces forces_;
     Kinetics kinetics_;
+    std::unique_ptr<SingleDynamics> single_; ///< none: double precision
     ContactSums sums_;
     Motion motion_;
     Team team_;

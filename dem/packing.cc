@@ -127,6 +127,7 @@ namespace dem
   Packing generate_packing(const PackingRule &rule, const GrainMaterial &material, const DynamicsRule &dynamics)
   {
     DynamicsRule generation = dynamics;
+    generation.precision = Precision::full; // whatever follows starts from the same packing
     generation.motion.has_true_masses = false;
     if (rule.friction >= 0.)
       {

@@ -1,0 +1,146 @@
+#include "dem/single_dynamics.h"
+
+#include "dem/block_shares.h"
+#include "dem/memory.h"
+#include "dem/single_pair_loop.h"
+
+#include <algorithm>
+
+namespace dem
+{
+  namespace
+  {
+    template <bool is_rough, bool is_rotation_free>
+    ContactSums compute_block(const SingleTask &task, const GrainBlock &block, const SingleGrains &grains,
+                              std::vector<SinglePack> &packs, const SinglePairResults &results)
+    {
+      std::fill(results.forces + block.grain_begin, results.forces + block.grain_end, TwinRow{});
+      SinglePairLoop<is_rough, is_rotation_free> loop(task, grains, packs, results);
+      loop.run(block);
+      return loop.finish();
+    }
+
+    using Compute = ContactSums (*)(const SingleTask &, const GrainBlock &, const SingleGrains &,
+                                    std::vector<SinglePack> &, const SinglePairResults &);
+
+    Compute choose(const bool is_rough, const bool is_rotation_free)
+    {
+      if (is_rough)
+        return is_rotation_free ? compute_block<true, true> : compute_block<true, false>;
+      return is_rotation_free ? compute_block<false, true> : compute_block<false, false>;
+    }
+
+    Row to_double(const SingleRow &row)
+    {
+      return {row.x, row.y, row.z, row.w};
+    }
+  } // namespace
+
+  /** What is to be done with the blocks of a network in one cycle. */
+  class SingleDynamics::Run
+  {
+  public:
+    Run(SingleDynamics &dynamics, const ForceTask &task, ContactNetwork &network, Forces &forces, const Hook &hook)
+        : dynamics_(dynamics), task_(make_single_task(task, network)), network_(network), forces_(forces), hook_(hook),
+          compute_(choose(task.law.roughness > 0., task.motion.is_rotation_free))
+    {}
+
+    void compute(const std::size_t k, const std::size_t thread, const bool is_complete) const
+    {
+      TwinRow *const rows = is_complete && hook_ ? get_passing_rows(k, thread) : dynamics_.force_.data();
+      const SinglePairResults results{rows, dynamics_.far_force_.data(), network_.status.data(),
+                                      forces_.normal_force.data(), forces_.overlap.data()};
+      forces_.block_sums[k] = compute_(task_, network_.blocks[k], dynamics_.grains_, dynamics_.packs_, results);
+      if (is_complete)
+        finish(k, rows);
+    }
+
+    /** A block that other threads' pairs reach into. @pre all pairs have been computed */
+    void complete(const std::size_t k) const { finish(k, dynamics_.force_.data()); }
+
+  private:
+    TwinRow *get_passing_rows(const std::size_t k, const std::size_t thread) const
+    {
+      return shift_rows(dynamics_.passing_force_.data() + thread * count_largest_block(network_),
+                        network_.blocks[k].grain_begin);
+    }
+
+    /** Gives the grains of block k what far pairs of other blocks do to them. */
+    void finish(const std::size_t k, TwinRow *const rows) const
+    {
+      const GrainBlock &block = network_.blocks[k];
+      for (std::size_t i = block.incoming_begin; i < block.incoming_end; ++i)
+        {
+          TwinRow &row = rows[network_.incoming_grain[i]];
+          store_row(row, load_row(row) + load_row(dynamics_.far_force_[network_.incoming_far[i]]));
+        }
+      // Grain by grain: the sums must not depend on which pairs share a vector.
+      double stiffness = 0., turning_stiffness = 0.;
+      for (std::size_t i = block.grain_begin; i < block.grain_end; ++i)
+        {
+          stiffness += rows[i].linear.w;
+          turning_stiffness += rows[i].angular.w;
+        }
+      forces_.block_sums[k].stiffness = stiffness;
+      forces_.block_sums[k].turning_stiffness = turning_stiffness;
+      if (hook_)
+        hook_(k, rows);
+    }
+
+    SingleDynamics &dynamics_;
+    const SingleTask task_;
+    ContactNetwork &network_;
+    Forces &forces_;
+    const Hook &hook_;
+    const Compute compute_;
+  };
+
+  void SingleDynamics::load(const RevState &state, const ContactNetwork &network)
+  {
+    grains_.load(state.grains);
+    build_packs(network, state, packs_);
+    force_.resize(state.grains.size());
+    far_force_.resize(network.n_far);
+  }
+
+  ContactSums SingleDynamics::compute_forces(const ForceTask &task, ContactNetwork &network, Forces &forces, Team &team,
+                                             const Hook &is_complete)
+  {
+    passing_force_.resize(team.size() * count_largest_block(network));
+    forces.block_sums.resize(network.blocks.size());
+    if (task.motion.has_contact_stress)
+      {
+        forces.normal_force.resize(network.size());
+        forces.overlap.resize(network.size());
+      }
+    const Run run(*this, task, network, forces, is_complete);
+    share_blocks(
+        network, team,
+        {[&run](const std::size_t k, const std::size_t thread, const bool is_all) { run.compute(k, thread, is_all); },
+         [&run](const std::size_t k) { run.complete(k); }});
+    if (task.motion.has_contact_stress)
+      update_largest_stress(network, task.state.grains, forces);
+    return add_up(forces.block_sums);
+  }
+
+  double SingleDynamics::move(const GrainBlock &block, const SingleMotionTask &task)
+  {
+    return advance_singles(grains_, block.grain_begin, block.grain_end, task);
+  }
+
+  void SingleDynamics::write_forces(Forces &forces) const
+  {
+    forces.force.resize(force_.size());
+    forces.torque.resize(force_.size());
+    for (std::size_t i = 0; i < force_.size(); ++i)
+      {
+        forces.force[i] = to_double(force_[i].linear);
+        forces.torque[i] = to_double(force_[i].angular);
+      }
+  }
+
+  std::size_t SingleDynamics::count_bytes() const
+  {
+    return dem::count_bytes(grains_.counts, grains_.motion, packs_, force_, far_force_, passing_force_);
+  }
+} // namespace dem

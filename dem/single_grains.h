@@ -1,0 +1,46 @@
+#pragma once
+
+#include "dem/contact_forces.h"
+#include "dem/single_pairs.h"
+
+namespace dem
+{
+  struct SingleMatrix
+  {
+    float xx, xy, xz, yx, yy, yz, zx, zy, zz;
+
+    explicit SingleMatrix(const Matrix &m);
+  };
+
+  /** What forces in single precision follow from, beside grains and pairs. */
+  struct SingleTask
+  {
+    LaneLaw<float> law;
+    SingleMatrix edges;  ///< E [m per count]
+    SingleMatrix growth; ///< G = (E - E0) E0^-1, what the cell has been strained since the network was built [-]
+    SingleMatrix strain; ///< L dt [-]
+    float time_step;     ///< [s], or 1 cycle
+    bool has_contact_stress;
+  };
+
+  SingleTask make_single_task(const ForceTask &task, const ContactNetwork &network);
+
+  /**
+   * The grains as the single precision loop has them. A place is a whole number of 2^-32 of an edge: the one when the
+   * network was built, which the network keeps, and what has come to it since, which is small.
+   */
+  struct SingleGrains
+  {
+    std::vector<CountRow> counts;
+    std::vector<TwinRow> motion; ///< linear: velocity [m/s], radius [m]; angular: spin [1/s], moment of inertia [kg m2]
+
+    /** Takes grains whose network has just been built. */
+    void load(const Grains &grains);
+
+    /** Tells the double arrays where grains are and how they move. */
+    void write(const ContactNetwork &network, Grains &grains) const;
+  };
+
+  /** Moves grains to the nearest whole count: from then on single precision loses nothing of where they are. */
+  void round_places(Grains &grains);
+} // namespace dem
