@@ -79,6 +79,11 @@ namespace apps
                   "Share of a force that is taken away where it drives. Units: [-].");
       binder.bind("Time step share", motion.time_step_share, {0., 1., true, false},
                   "Time step over the critical one, with true masses. Units: [-].");
+      binder.bind_choice<dem::Precision>(
+          "Precision", model.dynamics.precision, {{"double", dem::Precision::full}, {"single", dem::Precision::single}},
+          "Of grains and contacts in motion. single: sixteen contacts at a time instead of eight; places are multiples "
+          "of 2^-32 of the cell's edges; a periodic boundary and an unbalanced ratio of at least 1e-6 alone. Units: "
+          "none.");
       binder.bind("Skin share", model.dynamics.skin_share, {0., 1., true, false},
                   "Skin of the contact network over the mean radius. Units: [-].");
       binder.leave();
@@ -119,6 +124,20 @@ namespace apps
                   "Frictions tried for one set of positions. Units: [-].");
       binder.bind("Positions cap", packing.positions_cap, {1., 999.}, "Sets of first positions tried. Units: [-].");
       binder.leave();
+    }
+
+    /** What single precision cannot do. */
+    void check_precision(const ParameterBinder &binder, const RevParameters &parameters)
+    {
+      if (parameters.model.dynamics.precision != dem::Precision::single)
+        return;
+      if (parameters.packing.cell_kind == dem::CellKind::rigid)
+        binder.reject("Motion/Precision", "is 'single' where Boundary/Kind is 'walls'; allowed: double");
+      if (const double ratio = parameters.model.equilibrium.unbalanced_ratio; ratio < dem::finest_single_ratio)
+        binder.reject("Equilibrium/Unbalanced ratio",
+                      fmt::format("is {:g} with Motion/Precision 'single', which does not rest as quietly; allowed: >= "
+                                  "{:g} and <= 1",
+                                  ratio, dem::finest_single_ratio));
     }
 
     double parse_part(const ParameterBinder &binder, const std::string &text, const std::string &whole)
@@ -191,6 +210,7 @@ namespace apps
       binder.reject("Strength/Truncation", "times Strength/Variation must stay below 1: strengths must be positive");
     if (fracture.crack.smallest_crack_share > fracture.crack.largest_crack_share)
       binder.reject("Crack growth/Smallest initial crack", "exceeds Crack growth/Largest initial crack");
+    check_precision(binder, parameters);
     if (!parameters.packing_file.empty() && !std::filesystem::is_regular_file(parameters.packing_file))
       binder.reject("Packing/File", "is not a file that can be read");
     parameters.packing.grading = parse_grading(binder, parameters.grading);
