@@ -31,13 +31,16 @@ def list_systems(case):
         System("lammps", 1, systems.run_lammps),
         System("lammps", 2, partial(systems.run_lammps, cores=2)),
         System("slowsand-double", 1, systems.run_slowsand),
+        System("slowsand-single", 1, partial(systems.run_slowsand, options=("--single",))),
         System("slowsand-rough-blocked", 1, partial(systems.run_slowsand, options=rough), False),
+        System("slowsand-rough-blocked-single", 1, partial(systems.run_slowsand, options=rough + ("--single",)), False),
     ]
     if not systems.can_thread(case):
         print("notice: ours runs a packing on one thread; its rows with 2 cores are left out")
         return chosen
     return chosen + [
         System("slowsand-double", 2, partial(systems.run_slowsand, cores=2)),
+        System("slowsand-single", 2, partial(systems.run_slowsand, cores=2, options=("--single",))),
         System("slowsand-rough-blocked", 2, partial(systems.run_slowsand, cores=2, options=rough), False),
     ]
 

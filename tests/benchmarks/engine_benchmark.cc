@@ -3,6 +3,7 @@
 #include "tests/benchmarks/engine_protocol.h"
 
 #include "dem/breakage.h"
+#include "dem/laboratory.h"
 #include "dem/packing.h"
 #include "dem/packing_file.h"
 #include "dem/splitting.h"
@@ -108,6 +109,32 @@ namespace
                 timing.stress_before, timing.stress_after);
     return 0;
   }
+
+  /** An oedometer's creep at 21.7 MPa, grains of NE34: prints time [s] and axial strain since loading ended [%]. */
+  int creep(const dem::PackingRule &packing, const dem::Precision precision)
+  {
+    dem::RevModel model;
+    model.dynamics.precision = precision;
+    model.identity.seed = packing.seed;
+    dem::Rev rev = dem::make_rev(model, dem::generate_packing(packing, model.material, model.dynamics).state);
+    dem::LaboratoryStage load, held;
+    load.kind = dem::StageKind::oedometric;
+    load.stress = 21.7e6;
+    held.kind = dem::StageKind::creep;
+    held.duration = 1e6;
+    held.points_per_decade = 1;
+    double start = 0.;
+    dem::LaboratoryObserver observer;
+    observer.observe = [&](const dem::Observation &now) {
+      if (now.stage == 0)
+        start = now.strain(2, 2);
+      else
+        std::printf("%g,%.4f\n", now.time, 100. * (start - now.strain(2, 2)));
+    };
+    dem::LaboratoryPosition position;
+    const dem::LaboratoryOutcome outcome = dem::run_programme(rev, {load, held}, {}, observer, position);
+    return outcome == dem::LaboratoryOutcome::finished ? 0 : 1;
+  }
 } // namespace
 
 int main(int argc, char **argv)
@@ -132,12 +159,20 @@ int main(int argc, char **argv)
   run_command.add_option("PACKING", from)->required()->check(CLI::ExistingFile);
   run_command.add_option("--steps", protocol.n_steps);
   run_command.add_option("--threads", protocol.n_threads);
+  run_command.add_flag("--single", protocol.is_single, "single precision");
   run_command.add_flag("--rough", protocol.is_rough, "three-stage contacts");
   run_command.add_flag("--blocked", is_blocked, "grains cannot turn");
+  dem::PackingRule packing;
+  CLI::App &creep_command = *app.add_subcommand("creep", "creep in an oedometer; prints time [s], axial strain [%]");
+  creep_command.add_option("--grains", packing.n_grains);
+  creep_command.add_option("--seed", packing.seed);
+  creep_command.add_flag("--single", protocol.is_single, "single precision");
   CLI11_PARSE(app, argc, argv);
   protocol.is_rotation_free = !is_blocked;
   try
     {
+      if (creep_command)
+        return creep(packing, protocol.is_single ? dem::Precision::single : dem::Precision::full);
       return make ? make_packing(to, n_grains) : crush_command ? crush(from, to, crushing) : run(from, protocol);
     }
   catch (const std::exception &error)

@@ -34,6 +34,7 @@ namespace benchmarks
   dem::DynamicsRule make_rule(const dem::RevState &state, const dem::ContactLaw &law, const Protocol &protocol)
   {
     dem::DynamicsRule rule;
+    rule.precision = protocol.is_single ? dem::Precision::single : dem::Precision::full;
     rule.motion.has_true_masses = true;
     rule.motion.is_rotation_free = protocol.is_rotation_free;
     // No code is damped: local damping (YADE) and viscous damping (LAMMPS, LIGGGHTS) have nothing in common but zero.
@@ -44,8 +45,7 @@ namespace benchmarks
     dynamics.compute_forces();
     const double share = rule.motion.time_step_share * protocol.time_step / dynamics.get_time_step();
     rule.motion.time_step_share = std::min(share, 0.6); // a bound: crushed packings need a smaller step than fresh ones
-    rule.skin_share =
-        0.1; // a run strains by 2.4e-4: no code looks for neighbours twice, each has the skin that suits it
+    rule.skin_share = 0.1; // each code has the skin that suits it
     rule.n_threads = protocol.n_threads;
     return rule;
   }

@@ -11,6 +11,7 @@ namespace benchmarks
     double strain_rate = 20.;  ///< of compression along z [1/s]
     std::size_t n_steps = 1000;
     unsigned int n_threads = 1;
+    bool is_single = false;       ///< single precision
     bool is_rough = false;        ///< three-stage contacts of the default material; false: plain Hertz-Mindlin
     bool is_rotation_free = true; ///< false: grains cannot turn
   };
