@@ -2,6 +2,7 @@
 
 #include "apps/name_list.h"
 
+#include "coupling/rev_material.h"
 #include "coupling/rev_pool.h"
 
 #include "dem/homogenisation.h"

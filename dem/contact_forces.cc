@@ -5,6 +5,7 @@
 #include "dem/pair_loop.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace dem
 {
@@ -140,6 +141,15 @@ namespace dem
       forces.block_sums.resize(network.blocks.size());
     }
   } // namespace
+
+  ContactSums get_unknown_sums()
+  {
+    constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+    ContactSums sums;
+    sums.force_times_branch.setConstant(unknown);
+    sums.normal_force = sums.stiffness = sums.turning_stiffness = sums.stiffness_moment = unknown;
+    return sums;
+  }
 
   ContactSums add_up(const std::vector<ContactSums> &parts)
   {

@@ -82,6 +82,9 @@ namespace dem
   ContactSums compute_contact_forces(const RevState &state, const ContactLaw &law, const Motion &motion,
                                      ContactNetwork &network, Forces &forces);
 
+  /** Where nothing has been added up. */
+  ContactSums get_unknown_sums();
+
   /** Sums of the blocks, in their order. */
   ContactSums add_up(const std::vector<ContactSums> &parts);
 

@@ -90,15 +90,6 @@ namespace dem
       NormalLanes normal;
     };
 
-    static ContactSums get_unknown_sums()
-    {
-      constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
-      ContactSums sums;
-      sums.force_times_branch.setConstant(unknown);
-      sums.normal_force = sums.stiffness = sums.turning_stiffness = sums.stiffness_moment = unknown;
-      return sums;
-    }
-
     template <bool is_far>
     [[gnu::always_inline]] void compute(const std::size_t k, const std::size_t far)
     {

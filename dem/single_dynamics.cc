@@ -74,17 +74,21 @@ namespace dem
           TwinRow &row = rows[network_.incoming_grain[i]];
           store_row(row, load_row(row) + load_row(dynamics_.far_force_[network_.incoming_far[i]]));
         }
-      // Grain by grain: the sums must not depend on which pairs share a vector.
-      double stiffness = 0., turning_stiffness = 0.;
-      for (std::size_t i = block.grain_begin; i < block.grain_end; ++i)
-        {
-          stiffness += rows[i].linear.w;
-          turning_stiffness += rows[i].angular.w;
-        }
-      forces_.block_sums[k].stiffness = stiffness;
-      forces_.block_sums[k].turning_stiffness = turning_stiffness;
+      if (task_.has_sums)
+        sum_stiffness(block, rows, forces_.block_sums[k]);
       if (hook_)
         hook_(k, rows);
+    }
+
+    /** Grain by grain: the sums must not depend on which pairs share a vector. */
+    static void sum_stiffness(const GrainBlock &block, const TwinRow *const rows, ContactSums &sums)
+    {
+      sums.stiffness = sums.turning_stiffness = 0.;
+      for (std::size_t i = block.grain_begin; i < block.grain_end; ++i)
+        {
+          sums.stiffness += rows[i].linear.w;
+          sums.turning_stiffness += rows[i].angular.w;
+        }
     }
 
     SingleDynamics &dynamics_;

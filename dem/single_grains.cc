@@ -25,7 +25,8 @@ namespace dem
             SingleMatrix((edges - then) * then.inverse()),
             SingleMatrix(task.motion.strain_increment),
             static_cast<float>(task.motion.time_step),
-            task.motion.has_contact_stress};
+            task.motion.has_contact_stress,
+            task.motion.has_sums};
   }
 
   void SingleGrains::load(const Grains &grains)

@@ -20,7 +20,7 @@ namespace dem
     SingleMatrix growth; ///< G = (E - E0) E0^-1, what the cell has been strained since the network was built [-]
     SingleMatrix strain; ///< L dt [-]
     float time_step;     ///< [s], or 1 cycle
-    bool has_contact_stress;
+    bool has_contact_stress, has_sums; ///< as in Motion
   };
 
   SingleTask make_single_task(const ForceTask &task, const ContactNetwork &network);

@@ -4,6 +4,8 @@
 #include "dem/single_grains.h"
 #include "dem/single_twins.h"
 
+#include <algorithm>
+
 namespace dem
 {
   template <typename L>
@@ -45,6 +47,8 @@ namespace dem
 
     ContactSums finish() const
     {
+      if (!task_.has_sums)
+        return get_unknown_sums();
       ContactSums sums;
       for (int k = 0; k < 9; ++k)
         sums.force_times_branch(k / 3, k % 3) = sum_lanes(moment_[k]);
@@ -89,13 +93,31 @@ namespace dem
       SinglePack *const packs = packs_ + k / n_singles;
       Touch<L> touch;
       measure(packs, touch);
+      if (!is_any(touch.is_touching))
+        return leave_apart<is_far, n_parts<L> * n_singles>(k, packs, far);
       load_motion(packs, touch);
       press(k, packs, touch);
       const LaneVectorOf<L> shear = update_shear(k, packs, touch);
       const LaneVectorOf<L> force = add(shear, -touch.normal.force, touch.unit);
-      add_to_sums(touch, force);
+      if (task_.has_sums) // not another function, in which the compiler would round in other places
+        add_to_sums(touch, force);
       for_each_part<L>(
           [&](const int part) { give<is_far>(packs[part], far + part * n_singles, part, touch, force, shear); });
+    }
+
+    /** Some pairs none of which touches. */
+    template <bool is_far, std::size_t n>
+    [[gnu::always_inline]] void leave_apart(const std::size_t k, SinglePack *const packs, const std::size_t far) const
+    {
+      for (SinglePack *pack = packs; pack != packs + n / n_singles; ++pack)
+        for (float *const shear : {pack->shear_x, pack->shear_y, pack->shear_z})
+          std::fill_n(shear, n_singles, 0.f);
+      std::fill_n(results_.status + k, n, PairStatus::is_apart);
+      if (task_.has_contact_stress)
+        for (double *const known : {results_.normal_force + k, results_.overlap + k})
+          std::fill_n(known, n, 0.);
+      if constexpr (is_far)
+        std::fill_n(results_.far_forces + far, n, TwinRow{});
     }
 
     template <typename L>

@@ -179,7 +179,7 @@ namespace
     increment(2, 2) = -1e-5;
     for (int cycle = 0; cycle < 60; ++cycle)
       {
-        cycle % 10 == 0 ? dynamics.compute_forces() : dynamics.compute_forces_and_move();
+        cycle % 10 == 0 ? dynamics.compute_forces() : dynamics.compute_forces_and_move(true);
         if (cycle % 10 == 0)
           dynamics.move();
         dynamics.strain(increment);
@@ -292,7 +292,7 @@ namespace
       for (int cycle = 0; cycle < 200; ++cycle)
         {
           dynamics.strain(Matrix::Zero());
-          dynamics.compute_forces_and_move();
+          dynamics.compute_forces_and_move(true);
         }
       dynamics.strain(Matrix::Zero());
       dynamics.compute_forces();
