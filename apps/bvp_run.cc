@@ -4,7 +4,6 @@
 
 #include "dem/stopwatch.h"
 
-#include "fem/checkpoint.h"
 #include "fem/composite_material.h"
 
 #include <fmt/format.h>
@@ -24,7 +23,7 @@ namespace apps
 
   template <int dim>
   BvpRun<dim>::BvpRun(const BvpCase &bvp, const CommandLine &line)
-      : bvp_(bvp), line_(line), folder_(line), is_first_rank_(is_first_rank()),
+      : bvp_(bvp), line_(line), folder_(line), checkpoints_(folder_), is_first_rank_(is_first_rank()),
         progress_(is_first_rank_ && !line.is_quiet)
   {
     MPI_Comm macro = bvp.is_distributed ? MPI_COMM_WORLD : MPI_COMM_SELF;
@@ -144,8 +143,8 @@ namespace apps
   template <int dim>
   void BvpRun<dim>::resume()
   {
-    const std::string file = folder_.get_file("checkpoint.h5");
-    const fem::Progress progress = as_bad_input([&]() { return fem::read_checkpoint(file, *problem_); });
+    const fem::Progress progress = checkpoints_.read(*problem_);
+    const std::string &file = checkpoints_.get_file();
     if (progress.stage_values.size() != bvp_.conditions.size())
       throw BadInput(fmt::format("{}: written with {} boundary conditions, the parameters name {}", file,
                                  progress.stage_values.size(), bvp_.conditions.size()));
@@ -187,7 +186,7 @@ namespace apps
         unbalanced_share_ = problem_->compute_unbalanced_share();
         write_initial_row();
         write_stage_snapshots(0);
-        fem::write_checkpoint(folder_.get_file("checkpoint.h5"), *problem_, stepping_->get_progress());
+        checkpoints_.write(*problem_, stepping_->get_progress());
       }
     write_summary("running");
     const fem::RunResult result = stepping_->run();
@@ -198,12 +197,13 @@ namespace apps
       progress_.say(describe_pool(rev_material_->get_pool().get_tally(), tally_.creep_work));
     if (load_tests_)
       say_capacities();
+    progress_.say(checkpoints_.describe());
     if (is_finished)
       return 0;
-    fem::write_checkpoint(folder_.get_file("checkpoint.h5"), *problem_, stepping_->get_progress());
+    checkpoints_.write(*problem_, stepping_->get_progress());
     if (is_first_rank_)
       std::cerr << fmt::format("slowsand-bvp: {}, in {}; change a parameter with --set and go on with --resume {}\n",
-                               result.message, folder_.get_file("checkpoint.h5"), folder_.get_path())
+                               result.message, checkpoints_.get_file(), folder_.get_path())
                 << std::flush;
     return 1;
   }
@@ -253,7 +253,7 @@ namespace apps
     if (report.is_stage_end)
       write_stage_snapshots(report.stage + 1);
     if (report.is_stage_end || report.step % bvp_.output.checkpoint_interval == 0)
-      fem::write_checkpoint(folder_.get_file("checkpoint.h5"), *problem_, stepping_->get_progress());
+      checkpoints_.write(*problem_, stepping_->get_progress());
   }
 
   template <int dim>
@@ -358,6 +358,7 @@ namespace apps
       }
     if (std::isfinite(unbalanced_share_))
       summary.figures["residual of the untouched ground over its weight [-]"] = unbalanced_share_;
+    checkpoints_.add_figures(summary);
     summary.figures["creep steps"] = tally_.creep_steps;
     if (tally_.creep_steps > 0)
       summary.figures["REV evaluations a point and creep step"] =

@@ -2,6 +2,7 @@
 
 #include "apps/bvp_case.h"
 #include "apps/bvp_history.h"
+#include "apps/checkpoint_pair.h"
 #include "apps/command_line.h"
 #include "apps/cost_file.h"
 #include "apps/point_tables.h"
@@ -60,6 +61,7 @@ namespace apps
     const BvpCase &bvp_;
     const CommandLine &line_;
     const RunFolder folder_;
+    CheckpointPair checkpoints_;
     const bool is_first_rank_;
     dem::Clock::time_point start_ = dem::Clock::now();
     Progress progress_;

@@ -17,8 +17,9 @@ namespace apps
   {
     /** All that a run leaves; nothing else is ever removed. */
     constexpr const char *entries_of_a_run[] = {
-        "parameters.prm", "history.csv", "summary.json", "breakage.csv", "jumps.csv", "fractures.csv", "costs.csv",
-        "checkpoint.h5",  "snapshots",   "fields",       "fields.pvd",   "figures",   "failures"};
+        "parameters.prm", "history.csv",   "summary.json",           "breakage.csv", "jumps.csv", "fractures.csv",
+        "costs.csv",      "checkpoint.h5", "checkpoint_previous.h5", "snapshots",    "fields",    "fields.pvd",
+        "figures",        "failures"};
     constexpr const char *files_that_mean_a_run[] = {"parameters.prm", "history.csv", "summary.json", "checkpoint.h5"};
 
     [[noreturn]] void fail(const std::string &path, const std::string &cause)
@@ -52,7 +53,8 @@ namespace apps
     if (std::filesystem::exists(path_) && !std::filesystem::is_directory(path_))
       throw BadInput(fmt::format("{}: is not a folder", path_));
     const std::string found = find_run(path_);
-    if (is_resumed_ && !std::filesystem::exists(get_file("checkpoint.h5")))
+    if (is_resumed_ && !std::filesystem::exists(get_file("checkpoint.h5")) &&
+        !std::filesystem::exists(get_file("checkpoint_previous.h5")))
       throw BadInput(fmt::format("{}: holds no checkpoint.h5 to resume from", path_));
     if (!is_resumed_ && !may_overwrite_ && !found.empty())
       throw BadInput(

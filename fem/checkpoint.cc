@@ -1,10 +1,12 @@
 #include "fem/checkpoint.h"
 
+#include "fem/file_seal.h"
 #include "fem/hdf5_file.h"
 
 #include <deal.II/base/mpi.h>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cmath>
 #include <exception>
@@ -17,7 +19,7 @@ namespace fem
 {
   namespace
   {
-    constexpr double format_version = 1.;
+    constexpr double format_version = 2., version_without_seal = 1.;
     const std::string group = "/macro/";
 
     /** The parts of all ranks one after the other, on rank 0 of the communicator, with their lengths. */
@@ -127,6 +129,36 @@ namespace fem
             fmt::format("{}: dataset {}displacement: parts of the ranks differ from this run's", file, group));
     }
 
+    double read_version(const Hdf5File &archive)
+    {
+      return archive.read(group + "format_version", 1)[0];
+    }
+
+    /** What is wrong with a file; empty: nothing. */
+    std::string find_fault(const std::string &file)
+    {
+      try
+        {
+          if (!std::filesystem::exists(file))
+            return file + ": missing";
+          switch (check_seal(file))
+            {
+            case SealState::whole:
+              return "";
+            case SealState::damaged:
+              return file + ": damaged: its checksum does not fit its content";
+            case SealState::missing:
+              if (read_version(Hdf5File(file, Hdf5File::Mode::read)) != version_without_seal)
+                return file + ": damaged: its end is missing";
+            }
+          return "";
+        }
+      catch (const std::exception &error)
+        {
+          return error.what();
+        }
+    }
+
     template <int dim>
     void write_archive(const std::string &file, const QuasiStaticProblem<dim> &problem, const Progress &progress)
     {
@@ -156,17 +188,19 @@ namespace fem
       });
       problem.get_material().save(file);
       MPI_Barrier(MPI_COMM_WORLD); // the material may write from several ranks
+      do_on_first_rank([&]() { seal_file(file); });
     }
   } // namespace
 
   template <int dim>
-  void write_checkpoint(const std::string &file, const QuasiStaticProblem<dim> &problem, const Progress &progress)
+  void write_checkpoint(const std::string &file, const QuasiStaticProblem<dim> &problem, const Progress &progress,
+                        const std::string &previous)
   {
     const std::string temporary = file + ".tmp";
     try
       {
         write_archive(temporary, problem, progress);
-        do_on_first_rank([&]() { publish_file(file); });
+        do_on_first_rank([&]() { publish_file(file, previous); });
       }
     catch (...)
       {
@@ -177,6 +211,27 @@ namespace fem
       }
   }
 
+  CheckpointChoice choose_checkpoint(const std::vector<std::string> &files)
+  {
+    CheckpointChoice choice;
+    do_on_first_rank([&]() {
+      for (const std::string &file : files)
+        {
+          const std::string fault = find_fault(file);
+          if (fault.empty())
+            {
+              choice.file = file;
+              return;
+            }
+          choice.complaints.push_back(fault);
+        }
+      throw std::runtime_error(fmt::format("{}", fmt::join(choice.complaints, "; ")));
+    });
+    choice.file = dealii::Utilities::MPI::broadcast(MPI_COMM_WORLD, choice.file, 0);
+    choice.complaints = dealii::Utilities::MPI::broadcast(MPI_COMM_WORLD, choice.complaints, 0);
+    return choice;
+  }
+
   template <int dim>
   Progress read_checkpoint(const std::string &file, QuasiStaticProblem<dim> &problem)
   {
@@ -184,8 +239,8 @@ namespace fem
     Progress progress;
     {
       const Hdf5File archive(file, Hdf5File::Mode::read);
-      const double version = archive.read(group + "format_version", 1)[0];
-      if (version != format_version)
+      const double version = read_version(archive);
+      if (version != format_version && version != version_without_seal)
         throw std::runtime_error(fmt::format("{}: dataset {}format_version: {}, this program reads {}", file, group,
                                              version, format_version));
       const auto expected = problem.compute_fingerprint();
@@ -212,8 +267,10 @@ namespace fem
     return progress;
   }
 
-  template void write_checkpoint(const std::string &, const QuasiStaticProblem<2> &, const Progress &);
-  template void write_checkpoint(const std::string &, const QuasiStaticProblem<3> &, const Progress &);
+  template void write_checkpoint(const std::string &, const QuasiStaticProblem<2> &, const Progress &,
+                                 const std::string &);
+  template void write_checkpoint(const std::string &, const QuasiStaticProblem<3> &, const Progress &,
+                                 const std::string &);
   template Progress read_checkpoint(const std::string &, QuasiStaticProblem<2> &);
   template Progress read_checkpoint(const std::string &, QuasiStaticProblem<3> &);
 } // namespace fem

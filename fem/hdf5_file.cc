@@ -46,6 +46,16 @@ namespace fem
       if (!is_synced)
         throw std::runtime_error(fmt::format("{}: {}", path, std::strerror(cause)));
     }
+
+    /** Gives a file a second name, in the place of whatever had it; the only one where there can be no second. */
+    void keep_as(const std::string &file, const std::string &name)
+    {
+      const std::string unfinished = name + ".tmp"; // links do not replace, renaming does
+      std::remove(unfinished.c_str());
+      const bool has_two = ::link(file.c_str(), unfinished.c_str()) == 0;
+      if (std::rename(has_two ? unfinished.c_str() : file.c_str(), name.c_str()) != 0)
+        throw std::runtime_error(fmt::format("{}: {}", name, std::strerror(errno)));
+    }
   } // namespace
 
   Hdf5File::Hdf5File(const std::string &file, Mode mode) : file_(file)
@@ -137,10 +147,12 @@ namespace fem
           fmt::format("{}: cannot be written: {}", file_, std::strerror(cause != 0 ? cause : errno)));
   }
 
-  void publish_file(const std::string &file)
+  void publish_file(const std::string &file, const std::string &previous)
   {
     const std::string temporary = file + ".tmp";
     sync_to_disk(temporary, O_RDONLY);
+    if (!previous.empty() && std::filesystem::exists(file))
+      keep_as(file, previous);
     if (std::rename(temporary.c_str(), file.c_str()) != 0)
       throw std::runtime_error(fmt::format("{}: {}", file, std::strerror(errno)));
     const std::string folder = std::filesystem::path(file).parent_path().string();

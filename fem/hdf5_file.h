@@ -48,6 +48,11 @@ namespace fem
     std::int64_t handle_ = -1;
   };
 
-  /** Renames FILE.tmp to FILE after both have reached the disk. Throws std::runtime_error with path and cause. */
-  void publish_file(const std::string &file);
+  /**
+   * Renames FILE.tmp to FILE after both have reached the disk. Throws std::runtime_error with path and cause.
+   *
+   * @param previous  name that the FILE of before gets; empty: it is replaced. Where the file system knows second
+   * names, FILE exists at any moment.
+   */
+  void publish_file(const std::string &file, const std::string &previous = "");
 } // namespace fem

@@ -16,9 +16,7 @@ import small_case  # noqa: E402
 def check_histories(build, folder):
     case = small_case.write_case(folder)
     histories = {}
-    stay = ("--set", "REVs/Move between ranks=false")
-    # These REVs are cheap: without a limit they move more often, and everything is balanced in each step.
-    move = ("--set", "REVs/Smallest cost to move=0", "--set", "REVs/Balance tolerance=0")
+    stay, move = small_case.STAY, small_case.MOVE
     for name, n_ranks, options in (("1 rank", 1, ()), ("2 ranks", 2, move), ("4 ranks", 4, move),
                                    ("1 rank, 3 threads", 1, ("--threads", 3)),
                                    ("2 ranks, 2 threads", 2, ("--threads", 2, *move)),

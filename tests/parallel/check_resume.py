@@ -1,5 +1,5 @@
 """Law: a run killed under load or in creep and resumed, on any number of ranks, leaves the history and the list of fields
-of an undisturbed one."""
+of an undisturbed one, whether REVs move between ranks or not."""
 
 import argparse
 import os
@@ -16,6 +16,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 import small_case  # noqa: E402
 
 LOAD, CREEP = "1", "2"
+MOVE, STAY = small_case.MOVE, small_case.STAY
 
 
 def count_rows(history, stage):
@@ -55,14 +56,15 @@ def main():
         small_case.run(options.build, 1, case, "--output", whole)
         expected = (whole / "history.csv").read_bytes()
         # Under load from the first checkpoint: fields have been written since, all at one time.
-        for stage, n_ranks, interval in ((LOAD, 1, 100), (CREEP, 1, 4), (CREEP, 2, 4)):
+        for i, (stage, n_ranks, interval, moves) in enumerate(((LOAD, 1, 100, ()), (CREEP, 1, 4, ()), (CREEP, 2, 4, MOVE),
+                                                               (CREEP, 2, 4, STAY), (CREEP, 4, 4, MOVE))):
             n_rows = count_rows(whole / "history.csv", stage)
-            killed = Path(folder) / f"killed_{stage}_{n_ranks}"
+            killed = Path(folder) / f"killed_{i}"
             n_before = kill_in_stage(options.build, case, killed, stage, n_rows // 2, interval)
             if not n_before < n_rows:
                 raise AssertionError("the run was over before it was killed")
-            small_case.run(options.build, n_ranks, "--resume", killed)
-            event = f"killed after {n_before} of {n_rows} rows of stage {stage}, resumed on {n_ranks} rank(s)"
+            small_case.run(options.build, n_ranks, "--resume", killed, *moves)
+            event = f"killed after {n_before} of {n_rows} rows of stage {stage}, resumed on {n_ranks} rank(s) {' '.join(moves)}"
             if (killed / "history.csv").read_bytes() != expected:
                 raise AssertionError(f"{event}: history.csv differs from that of the undisturbed run")
             if list_fields(killed) != list_fields(whole):

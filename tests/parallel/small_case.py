@@ -60,6 +60,10 @@ subsection Output
 end
 """
 
+# Options: REVs stay where they were dealt to; or, since these are cheap, move without a limit and are balanced in each step.
+STAY = ("--set", "REVs/Move between ranks=false")
+MOVE = ("--set", "REVs/Smallest cost to move=0", "--set", "REVs/Balance tolerance=0")
+
 
 def write_case(folder):
     path = Path(folder) / "small.prm"

@@ -212,7 +212,9 @@ class BadInput(unittest.TestCase):
         for program, changed in (("slowsand-rev", "Laboratory/Checkpoint interval=7"),
                                  ("slowsand-bvp", "Output/Checkpoint interval=7")):
             run = self.finish_run(program)
-            (run / name).write_bytes(change((run / name).read_bytes()))
+            for path in (run / name, run / name.replace(".", "_previous.")):  # else the older checkpoint helps
+                if path.is_file():
+                    path.write_bytes(change(path.read_bytes()))
             before = self.read_all(run)
             self.expect_refusal(self.run_program("--resume", run, "--set", changed, program=program), name)
             after = self.read_all(run)

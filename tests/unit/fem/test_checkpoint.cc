@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <fstream>
 
 using namespace fem;
 using namespace fem::cases;
@@ -130,4 +131,75 @@ TEST_F(Checkpoint, AFullDiskIsToldAndTheLastCheckpointStays)
   EXPECT_FALSE(std::filesystem::is_symlink(file + ".tmp"));
   CreepRun other;
   EXPECT_EQ(read_checkpoint(file, other.problem).step, 1u);
+}
+
+namespace
+{
+  /** Runs something on the first rank while the others wait. */
+  template <typename Work>
+  void do_on_first_rank(const Work &work)
+  {
+    MPI_Barrier(MPI_COMM_WORLD);
+    if (dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
+      work();
+    MPI_Barrier(MPI_COMM_WORLD);
+  }
+
+  void flip_byte(const std::string &file)
+  {
+    std::fstream stream(file, std::ios::in | std::ios::out | std::ios::binary);
+    const auto middle = static_cast<std::streamoff>(std::filesystem::file_size(file) / 2);
+    stream.seekg(middle);
+    const char byte = static_cast<char>(stream.get() ^ 1);
+    stream.seekp(middle);
+    stream.put(byte);
+  }
+} // namespace
+
+TEST_F(Checkpoint, TheOneBeforeIsKeptAndChosenWhenTheNewestIsSpoilt)
+{
+  // Law: the newest whole checkpoint is chosen, whatever has become of a newer one; complaints name what is wrong.
+  const std::string previous = folder + "/previous.h5";
+  CreepRun run, other;
+  for (int step = 1; step <= 3; ++step)
+    {
+      run.stepping.advance();
+      write_checkpoint(file, run.problem, run.stepping.get_progress(), previous);
+    }
+  EXPECT_EQ(read_checkpoint(file, other.problem).step, 3u);
+  EXPECT_EQ(read_checkpoint(previous, other.problem).step, 2u);
+  CheckpointChoice choice = choose_checkpoint({file, previous});
+  EXPECT_EQ(choice.file, file);
+  EXPECT_TRUE(choice.complaints.empty());
+
+  do_on_first_rank([&]() { flip_byte(file); });
+  choice = choose_checkpoint({file, previous});
+  EXPECT_EQ(choice.file, previous);
+  ASSERT_EQ(choice.complaints.size(), 1u);
+  EXPECT_EQ(choice.complaints[0], file + ": damaged: its checksum does not fit its content");
+
+  do_on_first_rank([&]() { std::filesystem::resize_file(file, std::filesystem::file_size(file) - 100); });
+  EXPECT_EQ(choose_checkpoint({file, previous}).complaints[0].rfind(file + ": ", 0), 0u);
+  do_on_first_rank([&]() { std::filesystem::remove(file); });
+  EXPECT_EQ(choose_checkpoint({file, previous}).complaints[0], file + ": missing");
+  do_on_first_rank([&]() { flip_byte(previous); });
+  const std::string error = get_error([&] { choose_checkpoint({file, previous}); });
+  EXPECT_EQ(error, file + ": missing; " + previous + ": damaged: its checksum does not fit its content");
+}
+
+TEST_F(Checkpoint, OfBeforeThereWereSealsIsTakenByItsFormat)
+{
+  // Law: a file without a seal is whole only if its format had none: else its end is missing.
+  for (const double version : {1., 2.})
+    {
+      do_on_first_rank([&]() {
+        Hdf5File archive(file, Hdf5File::Mode::create);
+        archive.write("/macro/format_version", {version}, "1");
+        archive.close();
+      });
+      if (version == 1.)
+        EXPECT_EQ(choose_checkpoint({file}).file, file);
+      else
+        EXPECT_EQ(get_error([&] { choose_checkpoint({file}); }), file + ": damaged: its end is missing");
+    }
 }
