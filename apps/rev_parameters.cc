@@ -99,8 +99,9 @@ namespace apps
                   "A REV that is not at rest by then has failed. Units: [-].");
       binder.bind("Strain per cycle", rule.strain_per_cycle, {0., 0.01, true, false},
                   "Largest strain of the cell in one cycle. Units: [-].");
-      binder.bind("Servo gain", rule.servo_gain, {0., 1., true, false},
-                  "Share of the stress error that one cycle takes away. Units: [-].");
+      binder.bind("Servo gain", rule.servo_gain, {0., 10., true, false},
+                  "Share of the stress error that one cycle takes away, of a REV as stiff as its contacts; above 1 it "
+                  "may never rest. Units: [-].");
       binder.leave();
     }
 

@@ -4,11 +4,14 @@ be finished is exit status 1, one message with cause and remedy, and a checkpoin
 import argparse
 import csv
 import json
+import shutil
 import subprocess
 import sys
 import tempfile
 import unittest
 from pathlib import Path
+
+import h5py
 
 SKIPPED = 77  # CTest's SKIP_RETURN_CODE
 
@@ -56,6 +59,30 @@ subsection Stage 1
 end
 """
 
+# A stage, and one behind it that cannot be done: what is asked, words of the message, settings.
+SOUND = """set Number of stages = 1
+subsection Packing
+  set Grains = 60
+  set Friction = 0.1
+end
+subsection Stage 1
+  set Kind = isotropic
+  set Stress = 1e6
+  set Increments = 2
+end
+"""
+IMPOSSIBLE = {
+    "a deviator of forty times the mean stress": (
+        ("is not reached", "ask for less stress"),
+        {"Stage 2/Kind": "triaxial", "Stage 2/Deviatoric stress": 40e6, "Stage 2/Increments": 4, "Fracture/Grains break": "false"}),
+    "less than two largest diameters of height": (
+        ("collapsed", "Packing/Grains"),
+        {"Stage 2/Kind": "strain path", "Stage 2/Strain": "-0.45, -0.45, 1, 0, 0, 0", "Stage 2/Increments": 20}),
+    "a servo that takes away five times the error": (
+        ("the servo is unstable", "lower Equilibrium/Servo gain"),
+        {"Stage 2/Kind": "isotropic", "Stage 2/Stress": 4e6, "Stage 2/Increments": 1, "Equilibrium/Servo gain": 5,
+         "Equilibrium/Strain per cycle": 1e-3, "Equilibrium/Cycle cap": 3000, "Laboratory/Smallest share": 1})}
+
 
 class StageEnds(unittest.TestCase):
     build = Path()
@@ -100,6 +127,22 @@ class StageEnds(unittest.TestCase):
             self.assertIn(word, result.stderr)
         resumed = self.run_program("--resume", self.run_folder, "--set", "Equilibrium/Cycle cap=200000")
         self.assertEqual(resumed.returncode, 0, resumed.stderr)
+
+    def test_each_cause_is_named_and_the_state_before_is_kept(self):
+        self.assertEqual(self.start(SOUND).returncode, 0)
+        whole = self.run_folder
+        for name, (words, settings) in IMPOSSIBLE.items():
+            with self.subTest(name):
+                self.run_folder = self.folder / words[0].replace(" ", "_")
+                shutil.copytree(whole, self.run_folder)
+                result = self.run_program("--resume", self.run_folder, "--set", "Number of stages=2",
+                                          *(part for key, value in settings.items() for part in ("--set", f"{key}={value}")))
+                self.assertEqual(result.returncode, 1, result.stderr)
+                self.assertEqual(len(result.stderr.strip().splitlines()), 1, result.stderr)
+                for word in ("stage 2", "checkpoint.h5", "--resume", *words):
+                    self.assertIn(word, result.stderr)
+                with h5py.File(self.run_folder / "checkpoint.h5") as file:
+                    self.assertLess(file.attrs["unbalanced_ratio"], 1e-4)  # the default criterion of rest
 
 
 def main():
