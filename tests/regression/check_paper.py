@@ -141,6 +141,44 @@ class Paper(StudyTest):
             self.assertAlmostEqual(left / np.log10(high / low), 0.2, places=9)
             self.assertAlmostEqual(left / 4. / 0.2, 1. / (n * (1. - 1. / 1.83472)), places=9)  # four decades
 
+    def make_creep(self, logs, strains, summary):
+        """A run folder that says a creep stage of its own: strain [-] at times of these logarithms [s]."""
+        run = self.folder / "made"
+        run.mkdir(exist_ok=True)
+        lines = ["time_s,stage,kind,strain_zz,stress_zz_Pa,broken_instant,broken_delayed", "0,3,load,0.02,3e7,0,0"]
+        lines += [f"{10.**x!r},4,dynamic,{0.02 + e!r},3e7,0,{k + 1}" for k, (x, e) in enumerate(zip(logs, strains))]
+        (run / "history.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
+        (run / "parameters.prm").write_text("subsection Stage 4\n  set Kind = creep\nend\n", encoding="utf-8")
+        from plotting.run_folder import RunFolder
+        made = RunFolder(run)
+        made.summary = summary
+        return made
+
+    def test_rupture_is_the_earlier_of_strain_and_event(self):
+        """Of 1 % a decade from 1 s: 3.5 % are exceeded at 1e4 s, the first row beyond; an earlier event of the run's own
+        wins."""
+        sys.path.insert(0, str(self.source / "apps"))
+        from paper.triaxial import find_rupture
+        logs = list(range(7))
+        for summary, expected in (({}, 1e4), ({"rupture_time_s": 1e6}, 1e4), ({"rupture_time_s": 1e2}, 1e2)):
+            self.assertAlmostEqual(find_rupture(self.make_creep(logs, [0.01 * x for x in logs], summary), 0.035) / expected,
+                                   1., places=9)
+        self.assertEqual(find_rupture(self.make_creep(logs, [0.01 * x for x in logs], {}), 0.07), math.inf)
+
+    def test_steepest_creep_of_a_bent_line(self):
+        """1 % a decade to 1e4 s, then 5 %: the steepest half decade has 5 %, five times the mean before; a straight line
+        has its own slope, and once it. Rows are finer than the grid: to a row's share of half a decade, 2 %."""
+        sys.path.insert(0, str(self.source / "apps"))
+        from paper.triaxial import find_steepest
+        logs = [k / 100 for k in range(601)]
+        bent = [1e-9 + 0.01 * x + 0.04 * max(0., x - 4.) for x in logs]
+        slope, ratio = find_steepest(self.make_creep(logs, bent, {}))
+        self.assertAlmostEqual(slope / 0.05, 1., delta=0.02)
+        self.assertAlmostEqual(ratio / 5., 1., delta=0.02)
+        slope, ratio = find_steepest(self.make_creep(logs, [1e-9 + 0.01 * x for x in logs], {}))
+        self.assertAlmostEqual(slope / 0.01, 1., delta=0.02)
+        self.assertTrue(math.isnan(ratio) or abs(ratio - 1.) < 0.04)
+
     def test_drawn_grading_is_the_programs(self):
         sys.path.insert(0, str(self.source / "apps"))
         from paper.packing import GRADING
