@@ -1,4 +1,4 @@
-"""Beyond the paper: compression to 60 MPa and its grading; creep beside the compression that it is worth."""
+"""Beyond the paper: compression to 60 MPa and its grading."""
 
 import numpy as np
 
@@ -6,27 +6,16 @@ from plotting import style
 from plotting.grading import compute_passing, gather_grains
 from plotting.snapshot import read_snapshot
 
-from .oedometer import STRESS, compute_slope
-from .specimens import OEDOMETER, creep, find_snapshot, load, pack, sample_creep
+from .specimens import find_snapshot, load
 
 UNLOADINGS = "rev_unloadings.prm"
-TO_60_MPA, ALL_STAGES = 11, 16  # stages of that case
+TO_60_MPA = 11  # stages of that case
 BEFORE, BEHIND = (1e6, 5e6), (30e6, 60e6)  # [Pa], on both sides of the knee
 LIMIT = 0.1155e-3  # d_c [m], Table 1
-EXPONENTS, USUAL = (30, 60, 120), 60  # n of Charles' law
-TRANSITION = 1.83472  # b of the contacts' transition stage with Table 1's n1, n2 (docs/theory.md, section 2)
-ONSET = 0.25 * 0.21e-3 / 0.1  # [s] that a mean crack takes to grow through a median grain at v0
-WINDOW = (1e2, 1e6)  # [s], of the creep slope
-LABORATORY = 0.02  # C_alpha/C_c of sands (Mesri and Godlewski 1977), +- 0.01
 
 
 def compress_to_60(chains, seed):
     return chains.run("compression", UNLOADINGS, TO_60_MPA, seed, base=load(chains, seed))
-
-
-def compress_on(chains, seed):
-    """To 104 MPa, which is what 1e6 s at 21.7 MPa are worth at n = 30."""
-    return chains.run("compression_on", UNLOADINGS, ALL_STAGES, seed, base=compress_to_60(chains, seed))
 
 
 def read_curve(run):
@@ -95,71 +84,3 @@ def _draw_curves(runs, curves, ends):
     lower.set_ylabel("finer by mass [%]")
     lower.legend(loc="upper left")
     return figure
-
-
-def creep_with(chains, seed, exponent):
-    """Creep with another n of Charles' law, from the packing on: velocities belong to the state."""
-    if exponent == USUAL:
-        return creep(chains, seed)
-    return chains.run(f"creep_n_{exponent}", OEDOMETER, 3, seed, {"Crack growth/Exponent": exponent}, pack(chains, seed))
-
-
-def compute_share(exponent):
-    """1/(n (1 - 1/b)): what C_alpha/C_c should be."""
-    return 1. / (exponent * (1. - 1. / TRANSITION))
-
-
-def raise_stress(times, exponent):
-    """Stress [Pa] that breaks at once what times [s] at 21.7 MPa break with delay."""
-    return STRESS * (np.asarray(times) / ONSET)**compute_share(exponent)
-
-
-def read_irrecoverable(run):
-    """(highest stress so far [Pa], axial strain [-] when it has been taken off down to 21.7 MPa)."""
-    stage, stress, strain = (run.get_column(name) for name in ("stage", "stress_zz_Pa", "strain_zz"))
-    ends = [int(np.flatnonzero(stage == k)[-1]) for k in range(2, ALL_STAGES + 1)]
-    tops, bottoms = [ends[0], *ends[1::2]], [ends[0], *ends[2::2]]
-    return stress[tops], strain[bottoms]
-
-
-def compute_irrecoverable(curve, stress):
-    return np.interp(np.log10(stress), np.log10(curve[0]), curve[1])
-
-
-def draw_waiting(laboratory):
-    """C_alpha/C_c for three n; creep curves beside what loading to the raised stress leaves."""
-    chains, results = laboratory.chains, laboratory.results
-    figure, axes = style.new_figure(2.8)
-    for exponent, colour in zip(EXPONENTS, style.CYCLE):
-        pairs, faults = chains.run_seeds(
-            lambda seed, n=exponent: (creep_with(chains, seed, n), compress_on(chains, seed)), laboratory.seeds)
-        slopes, indices = [], []
-        low, high = raise_stress(WINDOW, exponent)
-        for k, (crept, compressed) in enumerate(pairs):
-            curve = read_irrecoverable(compressed)
-            indices.append(np.diff(compute_irrecoverable(curve, [low, high]))[0] / np.log10(high / low))
-            slopes.append(compute_slope(crept))
-            _draw_pair(axes, crept, curve, exponent, colour, k == 0)
-        # Over the mean of all seeds: in a small REV one of them may break no grain between the two stresses.
-        ratios = [slope / np.mean(indices) for slope in slopes]
-        results.add(f"ratio_{exponent}", ratios, faults)
-        if exponent == USUAL:
-            results.add("laboratory", ratios, faults)
-        results.add_note("waiting", f"n = {exponent}: creep strain per decade of time from 1e2 to 1e6 s", "% per decade",
-                         100 * np.array(slopes))
-        results.add_note("waiting", f"n = {exponent}: irrecoverable strain per decade of stress from {low / 1e6:.1f} to "
-                         f"{high / 1e6:.1f} MPa", "% per decade", 100 * np.array(indices))
-    axes.set_xlabel("time at 21.7 MPa [s]")
-    axes.set_ylabel("axial strain since loading [%]\n(compression positive)")
-    axes.set_yscale("log")
-    axes.set_ylim(bottom=0.01)
-    axes.legend(loc="upper left", title="lines: creep; broken: what the raised\nstress leaves", title_fontsize=7)
-    style.save(figure, laboratory.figures, "waiting")
-
-
-def _draw_pair(axes, crept, curve, exponent, colour, is_first):
-    times = np.logspace(0, 6, 121)
-    axes.semilogx(times, 100 * sample_creep(crept, times), color=colour, linewidth=0.8,
-                  label=f"n = {exponent}" if is_first else None)
-    worth = raise_stress(times, exponent)
-    axes.semilogx(times, 100 * (compute_irrecoverable(curve, worth) - curve[1][0]), "--", color=colour, linewidth=0.6)

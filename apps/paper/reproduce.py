@@ -15,7 +15,7 @@ os.environ.setdefault("MPLCONFIGDIR", "/tmp/slowsand-matplotlib")
 SOURCE = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(SOURCE / "apps"))
 
-from paper import compression, cracks, document, oedometer, packing, sensitivity, triaxial, walls  # noqa: E402
+from paper import compression, cracks, document, oedometer, packing, sensitivity, triaxial, waiting, walls  # noqa: E402
 from paper.chains import Chains, RunFailed  # noqa: E402
 from paper.specimens import FULL_BATCH, Laboratory  # noqa: E402
 from paper.statements import Results, read_statements  # noqa: E402
@@ -25,7 +25,7 @@ EXPERIMENTS = {"fig1": packing.draw_split_grain, "fig2": packing.draw_rev, "fig3
                "fig5": cracks.draw_times, "fig6": oedometer.draw_creep, "fig7": oedometer.draw_first_computation,
                "fig8": oedometer.draw_fluctuation, "triaxial": triaxial.draw_strength, "fig9": triaxial.draw_creep,
                "fig10": triaxial.draw_fluctuation, "fig11": triaxial.draw_deviations, "walls": walls.draw_walls,
-               "compression": compression.draw_compression, "waiting": compression.draw_waiting,
+               "compression": compression.draw_compression, "waiting": waiting.draw_waiting,
                "sensitivity": sensitivity.draw_choices}
 CASES = SOURCE / "apps" / "cases" / "paper"
 SMALL = {"Packing/Grains": 200, "Packing/Void ratio tolerance": 0.02, "Fracture/Batch limit": 1}

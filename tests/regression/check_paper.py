@@ -122,7 +122,7 @@ class Paper(StudyTest):
         unloading does not count."""
         sys.path.insert(0, str(self.source / "apps"))
         import numpy as np
-        from paper import compression
+        from paper import waiting
         tops = np.array([21.7, 27., 32., 38., 47., 60., 80., 104.]) * 1e6
         columns = {"stage": [2], "stress_zz_Pa": [tops[0]], "strain_zz": [0.]}
         for k, top in enumerate(tops[1:]):
@@ -134,12 +134,33 @@ class Paper(StudyTest):
         class Run:
             def get_column(self, name):
                 return np.array(columns[name])
-        curve = compression.read_irrecoverable(Run())
-        for n in compression.EXPONENTS:
-            low, high = compression.raise_stress(compression.WINDOW, n)
-            left = np.diff(compression.compute_irrecoverable(curve, [low, high]))[0]
+        curve = waiting.read_irrecoverable(Run())
+        for n in waiting.EXPONENTS:
+            low, high = waiting.raise_stress(waiting.WINDOW, n)
+            left = np.diff(waiting.compute_irrecoverable(curve, [low, high]))[0]
             self.assertAlmostEqual(left / np.log10(high / low), 0.2, places=9)
             self.assertAlmostEqual(left / 4. / 0.2, 1. / (n * (1. - 1. / 1.83472)), places=9)  # four decades
+            self.assertAlmostEqual(waiting.compute_index(curve, (low, high)), 0.2, places=9)
+
+    def test_grains_broken_by_waiting_and_by_the_stress_it_is_worth(self):
+        """By hand: three before; 10 within 1e6 s of 12; 1 at each 1 MPa from 21.7 to 104 MPa, unloadings not counted."""
+        sys.path.insert(0, str(self.source / "apps"))
+        import numpy as np
+        from paper import waiting
+
+        class Run:
+            def __init__(self, **columns):
+                self.columns = columns
+
+            def get_column(self, name):
+                return np.array(self.columns[name])
+        crept = Run(stage=[2, 3, 3, 3], time_s=[0., 1e2, 1e6, 1e7], broken_instant=[3, 3, 4, 4], broken_delayed=[0, 5, 9, 11])
+        stress = np.array([10e6, 21.7e6, 61.7e6, 21.7e6, 104e6])
+        compressed = Run(stage=[2, 2, 3, 4, 5], stress_zz_Pa=stress, broken_instant=[1, 3, 43, 43, 85.3], broken_delayed=[0] * 5)
+        for n in waiting.EXPONENTS:
+            waited, worth = waiting.count_broken(crept, compressed, n)
+            self.assertEqual(waited, 10)
+            self.assertAlmostEqual(worth, (waiting.raise_stress(1e6, n) - 21.7e6) / 1e6, places=6)
 
     def make_creep(self, logs, strains, summary):
         """A run folder that says a creep stage of its own: strain [-] at times of these logarithms [s]."""
