@@ -9,8 +9,11 @@ from plotting.run_folder import select_creep
 from plotting.snapshot import read_snapshot
 
 from .chains import RunFailed
-from .oedometer import DECADES, LIMIT, find_first, follow_first
+from .oedometer import DECADES, LIMIT, compute_slope, find_first, follow_first
 from .specimens import creep, find_snapshot, fit_line, pack, run_batch, sample_creep
+
+DEPTH = 0.27e-3  # [m], the largest diameter: nearer to a wall grains lie looser
+POINTS = 120  # of the grid along an edge, a fifth of a median diameter apart
 
 
 def choose_box(is_full):
@@ -26,6 +29,10 @@ def draw_walls(laboratory):
     results.add("walls_void_ratio", [run.get_column("void_ratio")[0] for run in packed], faults)
     results.add_note("walls", "friction while the box is packed", "-", _list_frictions(packed))
     results.add_note("walls", "edge of the box", "mm", [1e3 * _compute_edge(run) for run in packed])
+    inside = [compute_void_ratio_inside(read_snapshot(find_snapshot(run, 0)), DEPTH) for run in packed]
+    results.add_note("walls", "void ratio of the box 0.27 mm and more away from its walls", "-", inside)
+    if laboratory.is_full:
+        _add_dense(laboratory, [float(f"{np.mean(inside):.3f}")] if inside else [])
     figure, (upper, middle, lower) = style.new_figure(6.2, 3)
     for kind, name, colour in ((box, "walls", style.VERMILION), (laboratory, "periodic", style.BLUE)):
         slopes, straight, faults = _draw_creep(kind, name, colour, upper)
@@ -43,6 +50,29 @@ def draw_walls(laboratory):
                              fluctuation[batch] / 1e6)
     _finish(upper, middle, lower, batches)
     style.save(figure, laboratory.figures, "walls")
+
+
+def _add_dense(laboratory, void_ratios):
+    """Creep in a periodic cell as dense as the inside of the box."""
+    for void_ratio in void_ratios:
+        chains = laboratory.chains.vary({"Packing/Void ratio": void_ratio})
+        runs, faults = chains.run_seeds(lambda seed: creep(chains, seed), laboratory.seeds)
+        laboratory.results.add_note("walls", f"periodic, packed to {void_ratio}: creep strain per decade from 1e2 to 1e6 s",
+                                    "% per decade", [100 * compute_slope(run) for run in runs], faults)
+
+
+def compute_void_ratio_inside(snapshot, depth):
+    """Void ratio of a box without what lies nearer than a depth [m] to a wall: points of a grid, inside a grain or not."""
+    edges, n = np.diag(snapshot.cell), POINTS
+    spacing = (edges - 2 * depth) / n
+    axes = [depth + (np.arange(n) + 0.5) * step for step in spacing]
+    is_solid = np.zeros((n, n, n), dtype=bool)
+    for centre, radius in zip(snapshot.position, snapshot.radius):
+        ranges = [slice(*np.searchsorted(axis, (x - radius, x + radius))) for axis, x in zip(axes, centre)]
+        squares = [(axis[part] - x)**2 for axis, part, x in zip(axes, ranges, centre)]
+        is_solid[tuple(ranges)] |= (squares[0][:, None, None] + squares[1][:, None] + squares[2]) < radius**2
+    share = np.mean(is_solid)
+    return float(1. / share - 1.)
 
 
 def _list_frictions(packed):

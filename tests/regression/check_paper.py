@@ -162,6 +162,18 @@ class Paper(StudyTest):
             self.assertEqual(waited, 10)
             self.assertAlmostEqual(worth, (waiting.raise_stress(1e6, n) - 21.7e6) / 1e6, places=6)
 
+    def test_void_ratio_inside_a_box(self):
+        """One grain in the middle of a box of which a margin is left out: closed form, to the grid's 120 points an edge; a
+        grain within the margin does not count."""
+        sys.path.insert(0, str(self.source / "apps"))
+        import numpy as np
+        from paper.walls import compute_void_ratio_inside
+        from plotting.snapshot import Snapshot
+        box = Snapshot(Path(), 0., np.diag([1.4, 1.4, 1.6]), np.array([[0.7, 0.7, 0.8], [0.1, 0.1, 0.1]]),
+                       np.array([0.4, 0.09]), np.zeros(2))
+        solid = 4. / 3. * math.pi * 0.4**3
+        self.assertAlmostEqual(compute_void_ratio_inside(box, 0.2) / ((1. * 1. * 1.2 - solid) / solid), 1., delta=2e-3)
+
     def make_creep(self, logs, strains, summary):
         """A run folder that says a creep stage of its own: strain [-] at times of these logarithms [s]."""
         run = self.folder / "made"
