@@ -44,12 +44,17 @@ def parse_arguments():
     parser.add_argument("--seeds", type=int, default=3, metavar="N", help="seeds 1 to N (3)")
     parser.add_argument("--processes", type=int, default=len(os.sched_getaffinity(0)), metavar="N",
                         help="runs at a time (all cores)")
+    parser.add_argument("--set", action="append", default=[], dest="settings", metavar="SECTION/NAME=VALUE",
+                        help="in every run, instead of the cases' value; may be repeated")
     parser.add_argument("--document", type=Path, metavar="FILE", help="write the tables, too, as a page whose figures lie "
                         "beside it in paper/SIZE; it shows the sizes that lie there")
     options = parser.parse_args()
     for name in options.experiments:
         if name not in EXPERIMENTS:
             parser.error(f"no experiment '{name}', there are {', '.join(EXPERIMENTS)}")
+    for setting in options.settings:
+        if not all(setting.partition("=")):
+            parser.error(f"--set: '{setting}' is not SECTION/NAME=VALUE")
     for name in ("seeds", "processes"):
         if not 1 <= getattr(options, name) <= 1000:
             parser.error(f"--{name}: {getattr(options, name)} is not from 1 to 1000")
@@ -65,7 +70,8 @@ def main():
     options = parse_arguments()
     is_full = options.size == "full"
     try:
-        chains = Chains(options.programs, options.runs, {} if is_full else SMALL, options.processes)
+        own = dict(setting.split("=", 1) for setting in options.settings)
+        chains = Chains(options.programs, options.runs, {**({} if is_full else SMALL), **own}, options.processes)
         results = Results(read_statements(CASES / "statements.csv"), is_full)
         seeds = list(range(1, options.seeds + 1))
         laboratory = Laboratory(chains, results, seeds, options.output / "figures", is_full, BATCHES[options.size],
@@ -77,8 +83,8 @@ def main():
                 EXPERIMENTS[name](laboratory)
             except RunFailed as error:
                 results.add_note(name, "experiment", "-", [], [str(error)])
-            document.write_rows(options.output, results, f"{version}, " +
-                                ("seed 1" if options.seeds == 1 else f"seeds 1 to {options.seeds}"))
+            document.write_rows(options.output, results, ", ".join(
+                (version, "seed 1" if options.seeds == 1 else f"seeds 1 to {options.seeds}", *options.settings)))
         if options.document:
             write_page(options.document)
     except BadInput as error:

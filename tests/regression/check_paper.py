@@ -79,6 +79,18 @@ class Paper(StudyTest):
         rows = read_rows(again / "results.csv")
         self.assertEqual(rows, [row for row in read_rows(output / "results.csv") if row["figure"] == "fig3"])
 
+    def test_any_parameter_can_be_set(self):
+        """Another exponent of Charles' law is the slope of Fig. 3, which disagrees with the paper's 60; a setting that is
+        none, and a parameter that there is not, are said."""
+        options = ("--programs", self.build, "--seeds", 1, "--output", self.folder / "out")
+        self.run_paper("small", "fig3", *options, "--set", "Crack growth/Exponent=40")
+        slope = [row for row in read_rows(self.folder / "out" / "rows.csv") if row["statement"].startswith("slope of log")][0]
+        self.assertEqual((slope["ours"], slope["agrees"]), ("40", "no"))
+        self.assertIn("Crack growth/Exponent=40", slope["made with"])
+        self.assertIn("SECTION/NAME=VALUE", self.run_paper("small", "fig3", *options, "--set", "Exponent", status=2).stderr)
+        done = self.run_paper("small", "fig3", *options, "--set", "Crack growth/Exponnent=40", status=1)
+        self.assertIn("unknown parameter", done.stderr)
+
     def test_run_that_fails_is_said(self):
         program = self.folder / "slowsand-rev"
         program.write_text("#!/bin/bash\necho 'disk is full' >&2\nexit 1\n", encoding="utf-8")
