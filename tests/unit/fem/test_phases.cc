@@ -1,9 +1,8 @@
 #include "fem/checkpoint.h"
 #include "tests/support/pile_cases.h"
+#include "tests/support/scratch_folder.h"
 
 #include <gtest/gtest.h>
-
-#include <filesystem>
 
 namespace fem::cases::phases // names of its own: several tests are one translation unit
 {
@@ -183,7 +182,8 @@ namespace fem::cases::phases // names of its own: several tests are one translat
   TEST(Phases, ACheckpointAtAnyStepResumesToTheSameBits)
   {
     // Law: phases, carried forces and offsets are state: resumed at the end of a stage or inside one, it is one run.
-    const std::string file = (std::filesystem::temp_directory_path() / "slowsand_test_phases.h5").string();
+    const ScratchFolder folder;
+    const std::string file = folder.get_file("phases.h5");
     PileRun whole;
     whole.advance(8);
     for (const unsigned int n_steps : {1u, 2u, 4u, 6u, 7u})
@@ -196,9 +196,6 @@ namespace fem::cases::phases // names of its own: several tests are one translat
         EXPECT_EQ(second.problem.get_state().displacement, whole.problem.get_state().displacement) << n_steps;
         EXPECT_EQ(second.problem.get_state().stress, whole.problem.get_state().stress) << n_steps;
       }
-    MPI_Barrier(MPI_COMM_WORLD);
-    if (dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
-      std::filesystem::remove(file);
   }
 
   TEST(Phases, AContradictionIsNamed)

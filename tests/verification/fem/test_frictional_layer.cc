@@ -1,12 +1,11 @@
 #include "fem/checkpoint.h"
 #include "fem/frictional_layer.h"
 #include "tests/support/pile_cases.h"
+#include "tests/support/scratch_folder.h"
 
 #include <deal.II/grid/grid_tools.h>
 
 #include <gtest/gtest.h>
-
-#include <filesystem>
 
 namespace fem::cases::friction // names of its own: several tests are one translation unit
 {
@@ -210,15 +209,13 @@ namespace fem::cases::friction // names of its own: several tests are one transl
   TEST(FrictionalLayer, ACheckpointHoldsIt)
   {
     // Law: what has slipped goes on from a file as it would have gone on without one.
-    const std::string file = (std::filesystem::temp_directory_path() / "slowsand_test_friction.h5").string();
+    const ScratchFolder folder;
+    const std::string file = folder.get_file("friction.h5");
     Blocks first(Kinematics::finite), second(Kinematics::finite);
     first.push(0.5 * thickness);
     write_checkpoint(file, *first.problem, {});
     read_checkpoint(file, *second.problem);
     EXPECT_EQ(first.push(0.49 * thickness), second.push(0.49 * thickness));
-    MPI_Barrier(MPI_COMM_WORLD);
-    if (dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
-      std::filesystem::remove(file);
   }
 
   TEST(FrictionalLayer, APileSlipsAtFrictionTimesTheGroundsPressure)
