@@ -36,6 +36,32 @@ namespace fem
     for (const auto &[name, id] : interface_ids_)
       for (const global_dof_index dof : collect_interface_dofs(dof_handler_, id))
         interfaces_of_dof_[dof].insert(id);
+    level_ = find_level_interfaces();
+  }
+
+  template <int dim>
+  std::set<manifold_id> InterfaceForces<dim>::find_level_interfaces() const
+  {
+    std::map<manifold_id, double> excess; // of widths over heights, summed up over the faces [m]
+    for (const auto &[name, id] : interface_ids_)
+      excess[id] = 0.;
+    for (const auto &cell : dof_handler_.active_cell_iterators())
+      if (cell->is_locally_owned())
+        for (const auto &face : cell->face_iterators())
+          if (!face->at_boundary() && excess.contains(face->manifold_id()))
+            {
+              const auto [low, high] = face->bounding_box().get_boundary_points();
+              const dealii::Tensor<1, dim> extent = high - low;
+              double width = 0.;
+              for (unsigned int c = 0; c + 1 < dim; ++c)
+                width = std::max(width, extent[c]);
+              excess[face->manifold_id()] += width - extent[dim - 1];
+            }
+    std::set<manifold_id> level;
+    for (const auto &[name, id] : interface_ids_)
+      if (dealii::Utilities::MPI::sum(excess[id], dof_handler_.get_communicator()) > 0.)
+        level.insert(id);
+    return level;
   }
 
   template <int dim>
@@ -54,6 +80,9 @@ namespace fem
         std::vector<manifold_id> receivers;
         std::set_intersection(own.begin(), own.end(), found->second.begin(), found->second.end(),
                               std::back_inserter(receivers));
+        if (receivers.empty())
+          std::set_intersection(level_.begin(), level_.end(), found->second.begin(), found->second.end(),
+                                std::back_inserter(receivers));
         if (receivers.empty())
           receivers.assign(found->second.begin(), found->second.end());
         const unsigned int component = dof_handler_.get_fe().system_to_component_index(i).first;

@@ -14,8 +14,8 @@ namespace fem
    *
    * A node's force is that of the body's cells there, internal less their weight and loads: what the pile's side, or
    * whoever holds the face, must exert. A cell with a face on an interface gives its part to that one; one that only
-   * touches a node which several interfaces share gives equal parts. So at the tip of a pile the cells beside the shaft
-   * count as shaft, those beneath as base.
+   * touches a node which several interfaces share gives equal parts to those that lie level, or to all where none does.
+   * So at the tip of a pile the cells beside the shaft count as shaft, all below the tip as base.
    */
   template <int dim>
   class InterfaceForces
@@ -37,6 +37,9 @@ namespace fem
     using Cell = typename dealii::DoFHandler<dim>::active_cell_iterator;
     using Forces = std::map<dealii::types::manifold_id, dealii::Tensor<1, 3>>;
 
+    /** Which interfaces are wider than high. */
+    std::set<dealii::types::manifold_id> find_level_interfaces() const;
+
     /** Shares a cell's nodal forces out, times a factor. */
     void share_out(const Cell &cell, const std::vector<dealii::types::global_dof_index> &dofs,
                    const std::vector<double> &forces, double factor, Forces &sums) const;
@@ -45,6 +48,7 @@ namespace fem
     std::map<std::string, dealii::types::manifold_id> interface_ids_;
     Regions inner_;
     std::map<dealii::types::global_dof_index, std::set<dealii::types::manifold_id>> interfaces_of_dof_;
+    std::set<dealii::types::manifold_id> level_;
   };
 
   /** Unknowns on the faces of an interface, of this rank's cells and its ghosts. @param components  of them alone */
