@@ -165,6 +165,12 @@ class BadInput(unittest.TestCase):
         self.expect_refusal(self.run_program(self.case, "--check", "--set", "Boundary/Kind=membrane"), "Boundary/Kind",
                             "membrane", "periodic | walls")
 
+    def test_single_precision_where_it_does_not_reach(self):
+        single = "Motion/Precision=single"
+        self.expect_refusal(self.run_program(self.case, "--check", "--set", single, "--set", "Equilibrium/Unbalanced ratio=1e-9"),
+                            "Unbalanced ratio", ">= 1e-06", "single")
+        self.expect_refusal(self.run_program(self.case, "--check", "--set", single, "--set", "Boundary/Kind=walls"), "walls", "single")
+
     def test_boundary_value_problem_with_unknown_parameter(self):
         self.expect_refusal(self.run_program(self.case, "--check", program="slowsand-bvp"), "case.prm")
 
