@@ -26,7 +26,6 @@ namespace apps
       : bvp_(bvp), line_(line), folder_(line), checkpoints_(folder_), is_first_rank_(is_first_rank()),
         progress_(is_first_rank_ && !line.is_quiet)
   {
-    MPI_Comm macro = bvp.is_distributed ? MPI_COMM_WORLD : MPI_COMM_SELF;
     folder_.check();
     MPI_Barrier(MPI_COMM_WORLD); // nobody writes before all have looked
     if (!line.is_resumed)
