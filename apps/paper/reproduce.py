@@ -58,9 +58,9 @@ def parse_arguments():
     for name in ("seeds", "processes"):
         if not 1 <= getattr(options, name) <= 1000:
             parser.error(f"--{name}: {getattr(options, name)} is not from 1 to 1000")
-    if options.document:
+    if options.document and not options.output:
         options.runs = options.runs or SOURCE / "runs" / "paper" / options.size / "runs"
-        options.output = options.output or options.document.parent / "paper" / options.size
+        options.output = options.document.parent / "paper" / options.size
     options.output = options.output or SOURCE / "runs" / "paper" / options.size
     options.runs = options.runs or options.output / "runs"
     return options
