@@ -39,6 +39,12 @@ namespace apps
       binder.bind("Degree", bvp.problem.degree, {1., 2.},
                   "Of the elements; degree + 1 Gauss points a direction. Units: "
                   "[-].");
+      binder.bind_choice<fem::Dilatation>(
+          "Dilatation", bvp.problem.dilatation,
+          {{"point", fem::Dilatation::point}, {"cell mean", fem::Dilatation::cell_mean}},
+          "Change of volume that a Gauss point is given: its own, or its cell's, which keeps elements of degree 1 from "
+          "locking "
+          "where volume hardly changes. Units: none.");
       binder.bind(
           "Is distributed", bvp.is_distributed,
           "Mesh spread over the ranks with an iterative solver; false: on every rank, with a direct solver, and "

@@ -5,6 +5,9 @@
 #include <deal.II/fe/mapping.h>
 #include <deal.II/grid/tria.h>
 
+#include <cmath>
+#include <numeric>
+
 namespace fem
 {
   using dealii::SymmetricTensor;
@@ -37,10 +40,16 @@ namespace fem
 
   template <int dim>
   Assembly<dim>::Assembly(const dealii::DoFHandler<dim> &dof_handler, const dealii::Mapping<dim> &mapping,
-                          Geometry geometry, Kinematics kinematics)
+                          Geometry geometry, Kinematics kinematics, Dilatation dilatation)
       : dof_handler_(dof_handler), mapping_(mapping), geometry_(geometry), kinematics_(kinematics),
-        quadrature_(dof_handler.get_fe().degree + 1)
-  {}
+        dilatation_(dilatation), quadrature_(dof_handler.get_fe().degree + 1)
+  {
+    if (dilatation_ == Dilatation::cell_mean)
+      for_each_cell([&](const Cell &, const dealii::FEValues<dim> &values, std::size_t) {
+        for (const unsigned int q : values.quadrature_point_indices())
+          initial_volumes_.push_back(values.JxW(q) * compute_depth(geometry_, values.quadrature_point(q)[0]));
+      });
+  }
 
   template <int dim>
   template <class Work>
@@ -87,6 +96,79 @@ namespace fem
   }
 
   template <int dim>
+  template <class Get>
+  double Assembly<dim>::compute_cell_mean(std::size_t first_point, const Get &get) const
+  {
+    double sum = 0., volume = 0.;
+    for (std::size_t p = first_point; p < first_point + quadrature_.size(); ++p)
+      {
+        sum += initial_volumes_[p] * get(p);
+        volume += initial_volumes_[p];
+      }
+    return sum / volume;
+  }
+
+  template <int dim>
+  double Assembly<dim>::compute_dilatation_factor(const std::vector<Tensor<2, 3>> &deformations,
+                                                  std::size_t point) const
+  {
+    if (dilatation_ == Dilatation::point)
+      return 1.;
+    const double mean = compute_cell_mean(point - point % quadrature_.size(),
+                                          [&](std::size_t p) { return dealii::determinant(deformations[p]); });
+    return std::cbrt(mean / dealii::determinant(deformations[point]));
+  }
+
+  template <int dim>
+  double Assembly<dim>::compute_dilatation_shift(const std::vector<Tensor<2, 3>> &gradients, std::size_t point) const
+  {
+    if (dilatation_ == Dilatation::point)
+      return 0.;
+    const double mean = compute_cell_mean(point - point % quadrature_.size(),
+                                          [&](std::size_t p) { return dealii::trace(gradients[p]); });
+    return (mean - dealii::trace(gradients[point])) / 3.;
+  }
+
+  // Mean dilatation (J. C. Nagtegaal, D. M. Parks and J. R. Rice 1974): the material is given F (J mean / J)^(1/3), J
+  // mean the cell's volume over its initial one. The virtual work of its stress is then that of grad v whose trace is
+  // the cell's mean of div v, over volumes J mean dV.
+  template <int dim>
+  void Assembly<dim>::average_dilatation(CellShapes &shapes) const
+  {
+    const Tensor<2, 3> identity(dealii::unit_symmetric_tensor<3>());
+    const double volume = std::accumulate(shapes.volumes.begin(), shapes.volumes.end(), 0.);
+    for (std::size_t i = 0; i < shapes.gradients[0].size(); ++i)
+      {
+        double mean = 0.;
+        for (std::size_t q = 0; q < shapes.volumes.size(); ++q)
+          mean += shapes.volumes[q] * dealii::trace(shapes.gradients[q][i]) / volume;
+        for (auto &at_point : shapes.gradients)
+          at_point[i] += (mean - dealii::trace(at_point[i])) / 3. * identity;
+      }
+  }
+
+  template <int dim>
+  void Assembly<dim>::compute_cell_shapes(const dealii::FEValues<dim> &values, std::size_t first_point,
+                                          const std::vector<Tensor<2, 3>> &deformations, CellShapes &shapes) const
+  {
+    shapes.gradients.resize(quadrature_.size());
+    shapes.volumes.resize(quadrature_.size());
+    for (const unsigned int q : values.quadrature_point_indices())
+      {
+        shapes.volumes[q] = compute_volume_element(values, q, deformations[first_point + q]);
+        compute_shape_gradients(values, q, deformations[first_point + q], shapes.gradients[q]);
+      }
+    if (dilatation_ == Dilatation::point)
+      return;
+    average_dilatation(shapes);
+    const double volume = std::accumulate(shapes.volumes.begin(), shapes.volumes.end(), 0.);
+    const auto initial = initial_volumes_.begin() + static_cast<std::ptrdiff_t>(first_point);
+    const double initial_volume = std::accumulate(initial, initial + quadrature_.size(), 0.);
+    for (std::size_t q = 0; q < quadrature_.size(); ++q)
+      shapes.volumes[q] = volume / initial_volume * initial[static_cast<std::ptrdiff_t>(q)];
+  }
+
+  template <int dim>
   std::vector<PointSite> Assembly<dim>::compute_sites() const
   {
     std::vector<PointSite> sites;
@@ -127,19 +209,17 @@ namespace fem
   void Assembly<dim>::for_each_force(const std::vector<Tensor<2, 3>> &deformations,
                                      const std::vector<PointResponse> &responses, const VisitForces &visit) const
   {
-    std::vector<Tensor<2, 3>> shapes;
+    CellShapes shapes;
     std::vector<dealii::types::global_dof_index> dofs(dof_handler_.get_fe().n_dofs_per_cell());
     for_each_cell([&](const Cell &cell, const dealii::FEValues<dim> &values, std::size_t first_point) {
       cell->get_dof_indices(dofs);
+      compute_cell_shapes(values, first_point, deformations, shapes);
       std::vector<double> cell_forces(dofs.size(), 0.);
       for (const unsigned int q : values.quadrature_point_indices())
         {
-          const auto &deformation = deformations[first_point + q];
-          const double volume = compute_volume_element(values, q, deformation);
           const Tensor<2, 3> stress(responses[first_point + q].stress);
-          compute_shape_gradients(values, q, deformation, shapes);
           for (unsigned int i = 0; i < dofs.size(); ++i)
-            cell_forces[i] += volume * dealii::scalar_product(shapes[i], stress);
+            cell_forces[i] += shapes.volumes[q] * dealii::scalar_product(shapes.gradients[q][i], stress);
         }
       if (is_absent(cell->material_id()))
         for (unsigned int i = 0; i < dofs.size(); ++i)
@@ -168,24 +248,25 @@ namespace fem
     constrained = 0.;
     const bool is_finite = kinematics_ == Kinematics::finite;
     const unsigned int n_dofs = dof_handler_.get_fe().n_dofs_per_cell();
-    std::vector<Tensor<2, 3>> shapes;
+    CellShapes shapes;
     std::vector<dealii::types::global_dof_index> dofs(n_dofs);
     dealii::FullMatrix<double> cell_matrix(n_dofs, n_dofs);
     for_each_cell([&](const Cell &cell, const dealii::FEValues<dim> &values, std::size_t first_point) {
       cell->get_dof_indices(dofs);
+      compute_cell_shapes(values, first_point, deformations, shapes);
       cell_matrix = 0.;
       for (const unsigned int q : values.quadrature_point_indices())
         {
           const PointResponse &response = responses[first_point + q];
-          const double volume = compute_volume_element(values, q, deformations[first_point + q]);
-          compute_shape_gradients(values, q, deformations[first_point + q], shapes);
+          const std::vector<Tensor<2, 3>> &gradients = shapes.gradients[q];
           for (unsigned int j = 0; j < n_dofs; ++j)
             {
               const Tensor<2, 3> change =
-                  volume * (is_finite ? compute_finite_change(response.stress, response.tangent, shapes[j])
-                                      : Tensor<2, 3>(response.tangent * dealii::symmetrize(shapes[j])));
+                  shapes.volumes[q] * (is_finite
+                                           ? compute_finite_change(response.stress, response.tangent, gradients[j])
+                                           : Tensor<2, 3>(response.tangent * dealii::symmetrize(gradients[j])));
               for (unsigned int i = 0; i < n_dofs; ++i)
-                cell_matrix(i, j) += dealii::scalar_product(shapes[i], change);
+                cell_matrix(i, j) += dealii::scalar_product(gradients[i], change);
             }
         }
       if (is_absent(cell->material_id()))

@@ -15,6 +15,13 @@
 
 namespace fem
 {
+  /** Whose change of volume a Gauss point is given. */
+  enum class Dilatation
+  {
+    point,    ///< its own
+    cell_mean ///< that of its cell, so that bilinear cells do not lock where volume hardly changes; see assembly.cc
+  };
+
   /**
    * Integrals over the cells of this rank: nodal forces of a stress field, and their tangent.
    *
@@ -30,7 +37,7 @@ namespace fem
   {
   public:
     Assembly(const dealii::DoFHandler<dim> &dof_handler, const dealii::Mapping<dim> &mapping, Geometry geometry,
-             Kinematics kinematics);
+             Kinematics kinematics, Dilatation dilatation = Dilatation::point);
 
     unsigned int get_n_points_per_cell() const { return quadrature_.size(); }
 
@@ -52,6 +59,14 @@ namespace fem
     /** Gradients of a displacement in the initial configuration [-], one a Gauss point. @param ghosted  displacement
      * [m] */
     std::vector<dealii::Tensor<2, 3>> compute_gradients(const Vector &ghosted) const;
+
+    /** What a point's F is multiplied by to become that which its material is given, (J mean / J)^(1/3) [-].
+     *  @param deformations  total F a point; finite kinematics */
+    double compute_dilatation_factor(const std::vector<dealii::Tensor<2, 3>> &deformations, std::size_t point) const;
+
+    /** What is added to the three diagonal entries of a point's displacement gradient for its material, a third of the
+     *  mean trace less its own [-]. @param gradients  one a point; small kinematics */
+    double compute_dilatation_shift(const std::vector<dealii::Tensor<2, 3>> &gradients, std::size_t point) const;
 
     /** Internal nodal forces [N].
      *  @param deformations  total F a point @param responses  Cauchy stress a point */
@@ -80,6 +95,20 @@ namespace fem
     std::pair<double, dealii::Tensor<1, 3>> compute_volume() const;
 
   private:
+    /** What a cell's integrals need at each of its points. */
+    struct CellShapes
+    {
+      std::vector<std::vector<dealii::Tensor<2, 3>>> gradients; ///< of each unknown
+      std::vector<double> volumes;                              ///< of the point [m^3]
+    };
+    void compute_cell_shapes(const dealii::FEValues<dim> &values, std::size_t first_point,
+                             const std::vector<dealii::Tensor<2, 3>> &deformations, CellShapes &shapes) const;
+    void average_dilatation(CellShapes &shapes) const;
+
+    /** Weighted by initial volumes. @param get  of a point */
+    template <class Get>
+    double compute_cell_mean(std::size_t first_point, const Get &get) const;
+
     /** Shape gradients of all unknowns of a cell at a point, pulled to the configuration of F. */
     void compute_shape_gradients(const dealii::FEValues<dim> &values, unsigned int point,
                                  const dealii::Tensor<2, 3> &deformation,
@@ -97,7 +126,9 @@ namespace fem
     const dealii::Mapping<dim> &mapping_;
     Geometry geometry_;
     Kinematics kinematics_;
+    Dilatation dilatation_;
     dealii::QGauss<dim> quadrature_;
+    std::vector<double> initial_volumes_; ///< of the points [m^3]; empty unless cells' means are asked for
     std::set<dealii::types::material_id> absent_;
     std::vector<bool> followers_; ///< of all unknowns; empty: none
   };

@@ -71,11 +71,16 @@ namespace fem
     PointState state;
     state.id = requests_[index].id;
     state.position = positions_[index];
+    const dealii::SymmetricTensor<2, 3> identity = dealii::unit_symmetric_tensor<3>();
+    const bool is_finite = parameters_.kinematics == Kinematics::finite;
     state.deformation = committed_deformations_[index];
+    if (is_finite)
+      state.deformation *= assembly_->compute_dilatation_factor(committed_deformations_, index);
+    else
+      state.deformation +=
+          assembly_->compute_dilatation_shift(committed_deformations_, index) * dealii::Tensor<2, 3>(identity);
     state.stress = committed_stresses_[index];
-    state.strain = parameters_.kinematics == Kinematics::finite
-                       ? compute_log_strain(state.deformation)
-                       : dealii::symmetrize(state.deformation) - dealii::unit_symmetric_tensor<3>();
+    state.strain = is_finite ? compute_log_strain(state.deformation) : dealii::symmetrize(state.deformation) - identity;
     return state;
   }
 

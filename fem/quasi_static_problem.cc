@@ -43,7 +43,8 @@ namespace fem
   {
     check_parameters(parameters_);
     number_unknowns();
-    assembly_ = std::make_unique<Assembly<dim>>(dof_handler_, *mapping_, parameters_.geometry, parameters_.kinematics);
+    assembly_ = std::make_unique<Assembly<dim>>(dof_handler_, *mapping_, parameters_.geometry, parameters_.kinematics,
+                                                parameters_.dilatation);
     boundary_ =
         std::make_unique<BoundaryConditions<dim>>(dof_handler_, *mapping_, parameters_.geometry,
                                                   BoundaryNames{mesh_.boundary_ids, mesh_.interface_ids}, conditions);
@@ -178,10 +179,23 @@ namespace fem
             identity + (is_finite ? gradients[i] * dealii::invert(baseline_deformations_[i]) : gradients[i]);
         is_inverted |= is_finite && !(dealii::determinant(requests_[i].deformation_increment) > 0.);
       }
+    if (parameters_.dilatation == Dilatation::cell_mean && !is_inverted)
+      average_dilatation(gradients);
     if (dealii::Utilities::MPI::max(is_inverted ? 1 : 0, get_communicator()) > 0)
       return Status::step_too_large;
     material_.evaluate(requests_, responses_, with_tangent);
     return reduce_status(with_tangent);
+  }
+
+  template <int dim>
+  void QuasiStaticProblem<dim>::average_dilatation(const std::vector<Tensor<2, 3>> &gradients)
+  {
+    for (std::size_t i = 0; i < requests_.size(); ++i)
+      if (parameters_.kinematics == Kinematics::finite)
+        requests_[i].deformation_increment *= assembly_->compute_dilatation_factor(deformations_, i) /
+                                              assembly_->compute_dilatation_factor(baseline_deformations_, i);
+      else
+        requests_[i].deformation_increment += assembly_->compute_dilatation_shift(gradients, i) * identity;
   }
 
   // The worst answer over all points and ranks; a stress or tangent that is no number counts as failed.

@@ -22,6 +22,7 @@ namespace fem
     Geometry geometry = Geometry::axisymmetric;
     Kinematics kinematics = Kinematics::finite;
     unsigned int degree = 1; ///< of the elements, 1 or 2; degree + 1 Gauss points a direction
+    Dilatation dilatation = Dilatation::point;
     double unit_weight = 0.; ///< of all cells that are present, per initial volume, downwards along z [N/m^3], >= 0
     std::set<dealii::types::material_id> pile_regions; ///< the mesh's numbers of what is pile and not ground
     bool is_pile_absent = false;                       ///< before a stage places it
@@ -34,7 +35,7 @@ namespace fem
   {
     PointId id = dealii::numbers::invalid_unsigned_int;
     dealii::Point<3> position;            ///< initial [m], in space axes
-    dealii::Tensor<2, 3> deformation;     ///< gradient F [-]
+    dealii::Tensor<2, 3> deformation;     ///< gradient F as the material was given it [-]
     dealii::SymmetricTensor<2, 3> stress; ///< Cauchy [Pa], tension-positive
     dealii::SymmetricTensor<2, 3> strain; ///< logarithmic (small kinematics: linear) [-], tension-positive
   };
@@ -135,6 +136,8 @@ namespace fem
     const dealii::Mapping<dim> &get_mapping() const { return *mapping_; }
     const Vector &get_displacement() const { return ghosted_; } ///< total, trial, ghosted [m]
     ConstitutiveModel &get_material() const { return material_; }
+    double get_newton_tolerance() const { return newton_.get_tolerance(); }
+    void set_newton_tolerance(double tolerance) { newton_.set_tolerance(tolerance); } ///< in (0, 1)
     MPI_Comm get_communicator() const { return mesh_.triangulation->get_communicator(); }
     unsigned int get_n_points_per_cell() const { return assembly_->get_n_points_per_cell(); }
     Geometry get_geometry() const { return parameters_.geometry; }
@@ -153,6 +156,7 @@ namespace fem
     void allocate();
     void introduce_points(const StressField &initial_stress);
     Status ask_material(const Vector &increment, bool with_tangent);
+    void average_dilatation(const std::vector<dealii::Tensor<2, 3>> &gradients);
     Status reduce_status(bool with_tangent) const;
     void compute_residual(const Vector &increment, Vector &residual);
     Vector condense(const Vector &residual) const;
