@@ -275,7 +275,8 @@ namespace apps
     bvp.problem.newton.secant.kind = fem::SecantKind::anderson;
     bind_problem(binder, bvp, written);
     bind_mesh(binder, bvp.mesh, written);
-    bind_conditions(file, binder, bvp.conditions);
+    std::vector<std::string> profiles;
+    bind_conditions(file, binder, bvp.conditions, profiles);
     bind_stages(file, binder, bvp.stages, stages);
     bind_ground(binder, bvp.ground, bvp.pile);
     bind_interface(binder, bvp.interface);
@@ -291,9 +292,7 @@ namespace apps
     complete_mesh(binder, written, bvp);
     complete_initial_stress(binder, written, bvp);
     complete_rev_parameters(binder, bvp.rev);
-    for (fem::BoundaryCondition &condition : bvp.conditions)
-      if (condition.kind == fem::ConditionKind::pressure) // it has no component, whatever is written
-        condition.component.clear();
+    complete_conditions(binder, profiles, bvp.conditions);
     complete_stages(binder, stages, bvp.conditions, bvp.stages);
     complete_pile(binder, bvp);
     bvp.output.probes = parse_probes(binder, bvp.output.probes_text);

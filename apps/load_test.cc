@@ -74,6 +74,8 @@ namespace apps
                 "Of the head, usually 0.1 diameters: capacities are peaks up to there. Units: [m].");
     binder.bind("Rate", tests.rate, non_negative, "Of the head; 0: no time passes. Units: [m/s].");
     binder.bind("Increments", tests.n_increments, at_least_one, "Of the displacement. Units: [-].");
+    binder.bind("Tolerance", tests.tolerance, {0., 1., false, true},
+                "Of equilibrium within a test, as Newton/Tolerance; 0: that one. Units: [-].");
     binder.leave();
   }
 
@@ -175,7 +177,11 @@ namespace apps
         const fem::Phase phase = problem.get_phase();
         fem::write_checkpoint(branch, problem, progress);
         std::string outcome;
+        const double tolerance = problem.get_newton_tolerance();
+        if (parameters_.tolerance > 0.)
+          problem.set_newton_tolerance(parameters_.tolerance);
         const auto curve = push(problem, age, progress.time, outcome);
+        problem.set_newton_tolerance(tolerance);
         fem::read_checkpoint(branch, problem);
         problem.set_phase(phase);
         write(age, curve, outcome);

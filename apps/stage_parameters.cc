@@ -1,7 +1,11 @@
 #include "apps/stage_parameters.h"
 
+#include <deal.II/base/function_parser.h>
+
 #include <fmt/format.h>
 
+#include <iostream>
+#include <memory>
 #include <sstream>
 
 namespace apps
@@ -13,7 +17,7 @@ namespace apps
         {"traction", fem::ConditionKind::traction},
         {"pressure", fem::ConditionKind::pressure}};
 
-    void bind_condition(ParameterBinder &binder, fem::BoundaryCondition &condition)
+    void bind_condition(ParameterBinder &binder, fem::BoundaryCondition &condition, std::string &profile)
     {
       binder.bind("Boundary", condition.boundary, "Name of a boundary of the mesh. Units: none.");
       binder.bind_choice("Kind", condition.kind, condition_kinds,
@@ -28,6 +32,35 @@ namespace apps
           "That a traction or pressure is measured on. Units: none.");
       binder.bind("Is held", condition.is_held,
                   "A displacement: from the beginning; else from the stage that holds it. Units: none.");
+      binder.bind(
+          "Profile", profile,
+          "Of a displacement: factor on its value, a function of the initial position x, y, z [m] such as (z + 5) / "
+          "0.4; in axisymmetry x is the radius; empty: 1. Units: [-].");
+    }
+
+    /** Keeps std::cerr silent while it lives: deal.II prints what its parser says and throws, and one message is
+     * enough. */
+    class SilentErrors
+    {
+    public:
+      SilentErrors() : usual_(std::cerr.rdbuf(unheard_.rdbuf())) {}
+      ~SilentErrors() { std::cerr.rdbuf(usual_); }
+      SilentErrors(const SilentErrors &) = delete;
+      SilentErrors &operator=(const SilentErrors &) = delete;
+
+    private:
+      std::ostringstream unheard_;
+      std::streambuf *usual_;
+    };
+
+    /** Displacement from a factor that is written as a function of position; throws what deal.II throws. */
+    std::function<double(const dealii::Point<3> &, double)> parse_profile(const std::string &text)
+    {
+      const auto factor = std::make_shared<dealii::FunctionParser<3>>(1);
+      const SilentErrors silence;
+      factor->initialize("x,y,z", text, {{"pi", dealii::numbers::PI}});
+      factor->value({0., 0., 0.}); // what cannot be read is found out now
+      return [factor](const dealii::Point<3> &position, double value) { return value * factor->value(position); };
     }
 
     void bind_stage(ParameterBinder &binder, fem::Stage &stage, StageTexts &texts, std::size_t i)
@@ -115,12 +148,13 @@ namespace apps
   } // namespace
 
   void bind_conditions(const ParameterFile &file, ParameterBinder &binder,
-                       std::vector<fem::BoundaryCondition> &conditions)
+                       std::vector<fem::BoundaryCondition> &conditions, std::vector<std::string> &profiles)
   {
     const Range allowed{1., 1000.};
     const unsigned int number =
         ParameterBinder::read_number(file, "Boundary conditions/Number of conditions", allowed, 1);
     conditions.resize(number);
+    profiles.resize(number);
     binder.enter("Boundary conditions");
     binder.bind_fixed("Number of conditions", number, allowed, "Sections 'Condition 1' and so on. Units: [-].");
     for (std::size_t i = 0; i < conditions.size(); ++i)
@@ -128,10 +162,34 @@ namespace apps
         conditions[i].boundary = "bottom";
         conditions[i].component = "z";
         binder.enter(fmt::format("Condition {}", i + 1));
-        bind_condition(binder, conditions[i]);
+        bind_condition(binder, conditions[i], profiles[i]);
         binder.leave();
       }
     binder.leave();
+  }
+
+  void complete_conditions(const ParameterBinder &binder, const std::vector<std::string> &profiles,
+                           std::vector<fem::BoundaryCondition> &conditions)
+  {
+    for (std::size_t i = 0; i < profiles.size(); ++i)
+      {
+        fem::BoundaryCondition &condition = conditions[i];
+        const std::string path = fmt::format("Boundary conditions/Condition {}/Profile", i + 1);
+        if (condition.kind == fem::ConditionKind::pressure) // it has no component, whatever is written
+          condition.component.clear();
+        if (profiles[i].find_first_not_of(' ') == std::string::npos)
+          continue;
+        if (condition.kind != fem::ConditionKind::displacement)
+          binder.reject(path, "is for a displacement; allowed: empty");
+        try
+          {
+            condition.profile = parse_profile(profiles[i]);
+          }
+        catch (const std::exception &)
+          {
+            binder.reject(path, "is no function of x, y and z; allowed: such as min(1, (z + 5) / 0.4)");
+          }
+      }
   }
 
   void bind_stages(const ParameterFile &file, ParameterBinder &binder, std::vector<fem::Stage> &stages,

@@ -16,9 +16,13 @@ namespace apps
     std::vector<std::string> releases, holds; ///< without values: "shaft displacement r; shaft displacement z"
   };
 
-  /** Binds "Boundary conditions", as many as the file says there are. */
+  /** Binds "Boundary conditions", as many as the file says there are. @param profiles  as they are written */
   void bind_conditions(const ParameterFile &file, ParameterBinder &binder,
-                       std::vector<fem::BoundaryCondition> &conditions);
+                       std::vector<fem::BoundaryCondition> &conditions, std::vector<std::string> &profiles);
+
+  /** Reads the profiles, and throws BadInput for one that is no function of position. */
+  void complete_conditions(const ParameterBinder &binder, const std::vector<std::string> &profiles,
+                           std::vector<fem::BoundaryCondition> &conditions);
 
   /** Binds "Loading", as many stages as the file says there are. */
   void bind_stages(const ParameterFile &file, ParameterBinder &binder, std::vector<fem::Stage> &stages,

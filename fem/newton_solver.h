@@ -98,6 +98,9 @@ namespace fem
     void commit() { committed_memory_ = memory_; }
     void revert() { memory_ = committed_memory_; }
 
+    double get_tolerance() const { return parameters_.tolerance; }
+    void set_tolerance(double tolerance) { parameters_.tolerance = tolerance; } ///< in (0, 1)
+
     const SecantHistory &get_memory() const { return committed_memory_; }
     void set_memory(const SecantHistory &memory);
 

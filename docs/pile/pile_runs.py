@@ -24,7 +24,9 @@ class Series:
 
 
 LOW_STRESS = {"Ground/Surcharge": "1e5", "Boundary conditions/Condition 4/Value": "1e5",
-              "Boundary conditions/Condition 7/Value": "1e5", "Loading/Stage 4/Targets": "head pressure: 1e6"}
+              "Boundary conditions/Condition 8/Value": "1e5", "Loading/Stage 4/Targets": "head pressure: 1e6"}
+FRICTION = {"Mesh/File": "meshes/pile_hole_slip.msh", "Interface/Regions": "interface", "Interface/Friction coefficient": "0.5",
+            "Interface/Normal modulus": "2e9", "Interface/Shear modulus": "5e8"}
 SERIES = (
     Series("installed", "bvp_pile_small.prm", seeds=(1, 2, 3)),
     Series("wished in place", "bvp_pile_wished.prm", seeds=(1, 2, 3)),
@@ -32,7 +34,9 @@ SERIES = (
     Series("low stress", "bvp_pile_small.prm", LOW_STRESS),
     Series("first radius 0.15 m", "bvp_pile_small.prm",
            {"Mesh/File": "meshes/pile_first_radius.msh",
-            "Loading/Stage 2/Targets": "shaft displacement r: 0.05; base displacement z: -0.02"}),
+            "Loading/Stage 2/Targets": "shaft displacement r: 0.05; cone displacement r: 0.05; base displacement z: -0.05"}),
+    Series("friction 0.5", "bvp_pile_small.prm", FRICTION),
+    Series("own dilatation", "bvp_pile_small.prm", {"Problem/Dilatation": "point"}),
     Series("more steps", "bvp_pile_small.prm", {"Loading/Stage 5/First output": "1", "Loading/Stage 5/Steps per decade": "8"}),
     Series("400 grains", "bvp_pile_small.prm", {"Packing/Grains": "400"}),
     Series("fine mesh", "bvp_pile_small.prm", {"Mesh/File": "meshes/pile_fine.msh"}),

@@ -171,6 +171,13 @@ class BadInput(unittest.TestCase):
                             "Unbalanced ratio", ">= 1e-06", "single")
         self.expect_refusal(self.run_program(self.case, "--check", "--set", single, "--set", "Boundary/Kind=walls"), "walls", "single")
 
+    def test_profile_that_is_no_function(self):
+        self.case.write_text(BVP_CASE)
+        for number, profile, reason in ((1, "(z + 5) / height", "is no function of x, y and z"), (3, "z", "is for a displacement")):
+            name = f"Boundary conditions/Condition {number}/Profile"
+            self.expect_refusal(self.run_program(self.case, "--check", "--set", f"{name}={profile}", program="slowsand-bvp"), name,
+                                profile, reason)
+
     def test_boundary_value_problem_with_unknown_parameter(self):
         self.expect_refusal(self.run_program(self.case, "--check", program="slowsand-bvp"), "case.prm")
 
