@@ -17,6 +17,8 @@ namespace apps
   namespace
   {
     constexpr double same = 1e-9; // ages and times of the clock that differ by less are one
+    constexpr double clear_drop =
+        0.05; // of a force from its largest, by which a test that ended early has had its peak: forces waver
 
     const std::string finished = "finished"; // outcome of a test whose head has gone all of its way
 
@@ -122,7 +124,8 @@ namespace apps
         capacity.base = std::max(capacity.base, point.base_force);
       }
     capacity.is_whole = !curve.empty() && curve.back().head_displacement > way * (1. - same);
-    capacity.is_peak = !curve.empty() && curve.back().shaft_force < capacity.shaft;
+    const double drop = capacity.is_whole ? 0. : clear_drop;
+    capacity.is_peak = !curve.empty() && curve.back().shaft_force < (1. - drop) * capacity.shaft;
     return capacity;
   }
 

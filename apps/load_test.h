@@ -37,8 +37,8 @@ namespace apps
   {
     double shaft = 0., base = 0.;  ///< largest forces of the test [N]
     double head_displacement = 0.; ///< at the largest shaft force [m]
-    bool is_peak = false;          ///< the shaft's force fell again before the test ended
-    bool is_whole = false;         ///< the head has gone all of its way
+    bool is_peak = false;  ///< the shaft's force fell again before the test ended, by a twentieth if that was early
+    bool is_whole = false; ///< the head has gone all of its way
   };
 
   /** A shaft's capacity at its age. */

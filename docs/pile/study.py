@@ -97,7 +97,7 @@ def draw_capacities(rows, folder):
                 continue
             ages = [max(float(row["age_s"]), 1e2) for row in known]  # age 0 has no place on a logarithmic axis
             values = [float(row["shaft_capacity_N"]) / float(known[0]["shaft_capacity_N"]) for row in known]
-            axes.semilogx(ages, values, "o-", color=colour, label=name if k == 0 else None,
+            axes.semilogx(ages, values, "o", color=colour, label=name if k == 0 else None,
                           linestyle="-" if i < len(style.CYCLE) else "--")
     axes.set_xlabel("age [s] (age 0 drawn at 100 s)")
     axes.set_ylabel("shaft capacity over that at age 0 [-]")
