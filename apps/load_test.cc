@@ -78,6 +78,8 @@ namespace apps
     binder.bind("Increments", tests.n_increments, at_least_one, "Of the displacement. Units: [-].");
     binder.bind("Tolerance", tests.tolerance, {0., 1., false, true},
                 "Of equilibrium within a test, as Newton/Tolerance; 0: that one. Units: [-].");
+    binder.bind("Most evaluations", tests.max_evaluations, {0., 1e6},
+                "In one equilibrium of a test, as Newton/Most evaluations; 0: that one. Units: [-].");
     binder.leave();
   }
 
@@ -180,11 +182,12 @@ namespace apps
         const fem::Phase phase = problem.get_phase();
         fem::write_checkpoint(branch, problem, progress);
         std::string outcome;
-        const double tolerance = problem.get_newton_tolerance();
-        if (parameters_.tolerance > 0.)
-          problem.set_newton_tolerance(parameters_.tolerance);
+        const fem::NewtonParameters usual = problem.get_newton_parameters();
+        problem.set_newton_effort(parameters_.tolerance > 0. ? parameters_.tolerance : usual.tolerance,
+                                  parameters_.max_evaluations > 0 ? parameters_.max_evaluations
+                                                                  : usual.max_evaluations);
         const auto curve = push(problem, age, progress.time, outcome);
-        problem.set_newton_tolerance(tolerance);
+        problem.set_newton_effort(usual.tolerance, usual.max_evaluations);
         fem::read_checkpoint(branch, problem);
         problem.set_phase(phase);
         write(age, curve, outcome);

@@ -20,8 +20,9 @@ namespace apps
     double displacement = 0.04;                                ///< of the head, downwards [m], > 0
     double rate = 0.;                                          ///< of the head [m/s]; 0: time stands still
     unsigned int n_increments = 20;
-    double tolerance = 0.;        ///< of equilibrium, over reactions and loads [-]; 0: that of the run
-    std::size_t condition = -1ul; ///< place of the head's condition among those of the problem
+    double tolerance = 0.;            ///< of equilibrium, over reactions and loads [-]; 0: that of the run
+    unsigned int max_evaluations = 0; ///< in one equilibrium; 0: that of the run
+    std::size_t condition = -1ul;     ///< place of the head's condition among those of the problem
   };
 
   /** A point of a load test's curve. */

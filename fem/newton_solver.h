@@ -98,8 +98,14 @@ namespace fem
     void commit() { committed_memory_ = memory_; }
     void revert() { memory_ = committed_memory_; }
 
-    double get_tolerance() const { return parameters_.tolerance; }
-    void set_tolerance(double tolerance) { parameters_.tolerance = tolerance; } ///< in (0, 1)
+    const NewtonParameters &get_parameters() const { return parameters_; }
+
+    /** Sets tolerance and cap alone. */
+    void set_effort(double tolerance, unsigned int max_evaluations)
+    {
+      parameters_.tolerance = tolerance;
+      parameters_.max_evaluations = max_evaluations;
+    }
 
     const SecantHistory &get_memory() const { return committed_memory_; }
     void set_memory(const SecantHistory &memory);

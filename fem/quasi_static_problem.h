@@ -136,8 +136,13 @@ namespace fem
     const dealii::Mapping<dim> &get_mapping() const { return *mapping_; }
     const Vector &get_displacement() const { return ghosted_; } ///< total, trial, ghosted [m]
     ConstitutiveModel &get_material() const { return material_; }
-    double get_newton_tolerance() const { return newton_.get_tolerance(); }
-    void set_newton_tolerance(double tolerance) { newton_.set_tolerance(tolerance); } ///< in (0, 1)
+    const NewtonParameters &get_newton_parameters() const { return newton_.get_parameters(); }
+
+    /** @param tolerance  in (0, 1) @param max_evaluations  >= 1 */
+    void set_newton_effort(double tolerance, unsigned int max_evaluations)
+    {
+      newton_.set_effort(tolerance, max_evaluations);
+    }
     MPI_Comm get_communicator() const { return mesh_.triangulation->get_communicator(); }
     unsigned int get_n_points_per_cell() const { return assembly_->get_n_points_per_cell(); }
     Geometry get_geometry() const { return parameters_.geometry; }

@@ -31,6 +31,8 @@ SERIES = (
     Series("installed", "bvp_pile_small.prm", seeds=(1, 2, 3)),
     Series("wished in place", "bvp_pile_wished.prm", seeds=(1, 2, 3)),
     Series("withdrawn", "bvp_pile_withdrawn.prm", seeds=(1, 2, 3)),
+    Series("withdrawn by 4 mm", "bvp_pile_withdrawn.prm",
+           {"Loading/Stage 3/Targets": "shaft displacement r: 0.071; cone displacement r: 0.071"}),
     Series("low stress", "bvp_pile_small.prm", LOW_STRESS),
     Series("first radius 0.15 m", "bvp_pile_small.prm",
            {"Mesh/File": "meshes/pile_first_radius.msh",
