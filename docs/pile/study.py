@@ -13,6 +13,7 @@ sys.path[:0] = [str(Path(__file__).resolve().parents[2] / "apps"), str(Path(__fi
 
 import numpy as np  # noqa: E402
 import pile_runs  # noqa: E402
+import rings  # noqa: E402
 from plotting import shaft, style  # noqa: E402
 from plotting.run_folder import RunFolder  # noqa: E402
 
@@ -142,6 +143,11 @@ def main():
     capacities = collect_capacities(runs)
     write_table(documents / "capacities.csv", capacities)
     write_table(documents / "fractures.csv", count_fractures(runs))
+    ring_rows = rings.collect(runs)
+    write_table(documents / "rings.csv", ring_rows)
+    drawn = [name for name in ("installed", "withdrawn") if any(row["series"] == name for row in ring_rows)]
+    if drawn:
+        rings.draw(ring_rows, drawn, documents / "figures")
     if capacities:
         draw_capacities(capacities, documents / "figures")
         draw_radial_stress(runs, documents / "figures")
