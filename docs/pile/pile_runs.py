@@ -27,12 +27,20 @@ LOW_STRESS = {"Ground/Surcharge": "1e5", "Boundary conditions/Condition 4/Value"
               "Boundary conditions/Condition 8/Value": "1e5", "Loading/Stage 4/Targets": "head pressure: 1e6"}
 FRICTION = {"Mesh/File": "meshes/pile_hole_slip.msh", "Interface/Regions": "interface", "Interface/Friction coefficient": "0.5",
             "Interface/Normal modulus": "2e9", "Interface/Shear modulus": "5e8"}
+
+
+def withdraw_to(widening):
+    """Settings that let the hole back to a widening [m]; the case's own is 0.073 m."""
+    return {"Loading/Stage 3/Targets": f"shaft displacement r: {widening}; cone displacement r: {widening}"}
+
+
 SERIES = (
     Series("installed", "bvp_pile_small.prm", seeds=(1, 2, 3)),
     Series("wished in place", "bvp_pile_wished.prm", seeds=(1, 2, 3)),
     Series("withdrawn", "bvp_pile_withdrawn.prm", seeds=(1, 2, 3)),
-    Series("withdrawn by 4 mm", "bvp_pile_withdrawn.prm",
-           {"Loading/Stage 3/Targets": "shaft displacement r: 0.071; cone displacement r: 0.071"}),
+    Series("withdrawn by 4 mm", "bvp_pile_withdrawn.prm", withdraw_to(0.071)),
+    Series("withdrawn by 6 mm", "bvp_pile_withdrawn.prm", withdraw_to(0.069)),
+    Series("withdrawn by 6 mm, friction 0.5", "bvp_pile_withdrawn.prm", withdraw_to(0.069) | FRICTION),
     Series("low stress", "bvp_pile_small.prm", LOW_STRESS),
     Series("first radius 0.15 m", "bvp_pile_small.prm",
            {"Mesh/File": "meshes/pile_first_radius.msh",
@@ -47,7 +55,7 @@ SERIES = (
 
 def list_runs(series):
     """(folder name, seed) of each run of a series."""
-    return [(f"{series.name.replace(' ', '_')}-seed_{seed}", seed) for seed in series.seeds]
+    return [(f"{series.name.replace(' ', '_').replace(',', '')}-seed_{seed}", seed) for seed in series.seeds]
 
 
 def is_finished(folder):

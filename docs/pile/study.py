@@ -55,6 +55,31 @@ def collect_capacities(runs):
     return rows
 
 
+def summarise(capacities):
+    """Rows of series.csv: what came of each series, mean and standard deviation over its seeds."""
+    rows = []
+    for name in dict.fromkeys(row["series"] for row in capacities):
+        runs = {}
+        for row in capacities:
+            if row["series"] == name:
+                runs.setdefault(row["seed"], []).append(row)
+        known = [[row for row in run if row["outcome"] == "finished" or row["is_peak"] == "1"] for run in runs.values()]
+        figures = {
+            "first_shaft_capacity_MN": [float(run[0]["shaft_capacity_N"]) / 1e6 for run in known if run],
+            "growth_per_decade": [float(run[-1]["shaft_growth_per_decade"]) for run in runs.values()],
+            "base_growth": [float(run[-1]["base_capacity_N"]) / float(run[0]["base_capacity_N"]) - 1. for run in known if len(run) > 1],
+            "radial_stress_change": [float(run[-1]["radial_stress_Pa"]) / float(run[0]["radial_stress_Pa"]) - 1.
+                                     for run in runs.values()]}
+        row = {"series": name, "seeds": len(runs), "tests": sum(map(len, runs.values())), "tests_that_ended_early": sum(
+            one["outcome"] != "finished" for run in runs.values() for one in run)}
+        for figure, values in figures.items():
+            values = [value for value in values if not math.isnan(value)]
+            row[figure] = f"{np.mean(values):.4g}" if values else "nan"
+            row[f"{figure}_deviation"] = f"{np.std(values, ddof=1):.4g}" if len(values) > 1 else "nan"
+        rows.append(row)
+    return rows
+
+
 def count_fractures(runs):
     """Rows of fractures.csv: grains broken by the end of consolidation, of each later stage, and how many there were."""
     rows = []
@@ -142,6 +167,7 @@ def main():
     documents = Path(options.documents)
     capacities = collect_capacities(runs)
     write_table(documents / "capacities.csv", capacities)
+    write_table(documents / "series.csv", summarise(capacities))
     write_table(documents / "fractures.csv", count_fractures(runs))
     ring_rows = rings.collect(runs)
     write_table(documents / "rings.csv", ring_rows)
