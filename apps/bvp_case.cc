@@ -148,6 +148,11 @@ namespace apps
           "Of the contact network, grains at rest again or following the mean strain. Units: none.");
       binder.bind("Largest stretch", material.point.largest_stretch, {0., 1., true, false},
                   "Largest strain of a REV in one question; beyond it the step is cut. Units: [-].");
+      binder.bind(
+          "Lazy tolerance", material.point.lazy_tolerance, {0., 0.1},
+          "A REV answers from its tangent, its grains at rest, while the bound of that answer's error over its stress "
+          "is below this; its grains follow at the latest when one of them breaks. Keep it below Newton/Tolerance. 0: "
+          "never. Units: [-].");
       binder.bind("Consolidation ratio", material.consolidation.stress_ratio, {1., 100., true, false},
                   "Largest growth of stress in one increment on the way to the initial stress. Units: [-].");
       binder.bind("Failure files", material.n_failure_files, {0., 1e6},
@@ -296,6 +301,9 @@ namespace apps
     complete_stages(binder, stages, bvp.conditions, bvp.stages);
     complete_pile(binder, bvp);
     bvp.output.probes = parse_probes(binder, bvp.output.probes_text);
+    if (bvp.rev_material.point.is_lazy() && bvp.rev.model.dynamics.motion.has_true_masses)
+      binder.reject("REVs/Lazy tolerance", "needs grains at rest between questions, but Motion/Masses are true is "
+                                           "true; allowed: 0");
     bvp.rev_material.model = bvp.rev.model;
     bvp.rev_material.packing.rule = bvp.rev.packing;
     bvp.rev_material.packing.file = bvp.rev.packing_file;

@@ -95,7 +95,8 @@ namespace apps
           append({probe.name + "_void_ratio", probe.name + "_void_ratio_with_fines"});
       }
     append({"avalanche_rounds", "avalanche_evaluations", "residual_N", "reaction_N", "grains", "mean_void_ratio",
-            "mean_void_ratio_with_fines"});
+            "mean_void_ratio_with_fines", "lazy_revs", "largest_stress_error_bound_Pa", "rev_questions",
+            "lazy_answers"});
     return names;
   }
 
@@ -121,7 +122,9 @@ namespace apps
           row.add(void_ratio);
       }
     row.add(report.avalanche_rounds).add(report.avalanche_evaluations).add(report.residual).add(report.reaction_norm);
-    return row.add(totals.grains).add(totals.void_ratio).add(totals.void_ratio_with_fines);
+    row.add(totals.grains).add(totals.void_ratio).add(totals.void_ratio_with_fines);
+    row.add(totals.n_lazy).add(totals.largest_error_bound);
+    return row.add(totals.lazy.n_questions).add(totals.lazy.n_forecasts);
   }
 
   template std::vector<ProbeState> compute_probe_states(const fem::QuasiStaticProblem<2> &, const BvpOutput &);

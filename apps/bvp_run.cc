@@ -353,6 +353,7 @@ namespace apps
         summary.wall_s["waiting for other ranks' REVs"] = pool.get_total_time() - pool.get_working_time();
         summary.wall_s["outside REVs"] = total - pool.get_total_time();
         add_pool_figures(pool.get_tally(), tally_.creep_work, summary);
+        add_lazy_figures(totals.lazy, summary);
         summary.figures["share of wall time outside REVs [-]"] = 1. - pool.get_total_time() / total;
       }
     if (std::isfinite(unbalanced_share_))

@@ -20,6 +20,23 @@ namespace apps
     summary.figures["sent with REVs [B]"] = static_cast<double>(run.bytes_migrated);
   }
 
+  void add_lazy_figures(const coupling::LazyTally &tally, Summary &summary)
+  {
+    if (!(tally.n_questions > 0.))
+      return;
+    auto &figures = summary.figures;
+    figures["questions to REVs, steps taken back not counted"] = tally.n_questions;
+    figures["share of them answered from tangents [-]"] = tally.n_forecasts / tally.n_questions;
+    figures["answers from tangents compared with grains"] = tally.n_checks;
+    if (!(tally.n_checks > 0.))
+      return;
+    figures["share of these beyond the error's bound [-]"] = tally.n_exceeded / tally.n_checks;
+    figures["largest error of an answer from a tangent [MPa]"] = 1e-6 * tally.largest_error;
+    figures["mean error of answers from tangents [MPa]"] = 1e-6 * tally.sum_of_errors / tally.n_checks;
+    figures["largest error of an answer from a tangent over the stress [-]"] = tally.largest_error_share;
+    figures["mean error of answers from tangents over the stress [-]"] = tally.sum_of_error_shares / tally.n_checks;
+  }
+
   std::string describe_pool(const coupling::WorkTally &run, const coupling::WorkTally &creep)
   {
     std::string text = fmt::format("REV work on {} ranks: efficiency {:.3f}, in creep {:.3f}; {} REVs changed their "

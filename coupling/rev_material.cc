@@ -1,7 +1,6 @@
 #include "coupling/rev_material.h"
 
 #include "coupling/point_package.h"
-#include "coupling/rev_travel.h"
 #include "coupling/tensor_conversion.h"
 
 #include <deal.II/base/mpi.h>
@@ -43,11 +42,11 @@ namespace coupling
   std::vector<std::byte> RevMaterial::send_away(const PointId id)
   {
     Point &point = points_.at(id);
-    std::vector<std::byte> bytes = pack_rev(*point.rev);
+    std::vector<std::byte> bytes = point.rev->pack();
     const auto number = std::as_bytes(std::span(&point.n_failures, 1));
     bytes.insert(bytes.end(), number.begin(), number.end());
     const std::lock_guard lock(mutex_);
-    departed_profile_ += point.rev->get_profile();
+    departed_profile_ += point.rev->get_rev().get_profile();
     point.rev.reset();
     return bytes;
   }
@@ -58,7 +57,7 @@ namespace coupling
     if (bytes.size() < sizeof(point.n_failures))
       throw std::runtime_error("a REV that changed its rank came without its end");
     const std::size_t length = bytes.size() - sizeof(point.n_failures);
-    point.rev = unpack_rev(make_model(id), bytes.first(length));
+    point.rev = std::make_unique<LazyRev>(LazyRev::unpack(make_model(id), parameters_.point, bytes.first(length)));
     std::memcpy(&point.n_failures, bytes.data() + length, sizeof(point.n_failures));
   }
 
@@ -111,12 +110,13 @@ namespace coupling
     for (std::size_t i = 0; i < packings.size(); ++i)
       {
         const PointId id = pool_.get_local_points()[i];
-        points_[id].rev = std::make_unique<dem::Rev>(dem::make_rev(make_model(id), packings[i]));
+        points_[id].rev = std::make_unique<LazyRev>(dem::make_rev(make_model(id), packings[i]), parameters_.point);
       }
     stresses.kind = WorkKind::prepare;
     pool_.ask(stresses, 0, [&](const PointId id, std::span<const double> stress, std::span<double>) {
-      dem::Rev &rev = *points_.at(id).rev;
-      rev = consolidate(rev, to_matrix(take_tensor(stress)), parameters_.consolidation);
+      LazyRev &rev = *points_.at(id).rev;
+      rev = LazyRev(consolidate(rev.get_rev(), to_matrix(take_tensor(stress)), parameters_.consolidation),
+                    parameters_.point);
     });
     update_fields();
   }
@@ -126,7 +126,7 @@ namespace coupling
     double earliest = std::numeric_limits<double>::infinity();
     for (const PointId id : pool_.get_local_points())
       earliest =
-          std::min(earliest, coupling::compute_time_to_next_event(*points_.at(id).rev, parameters_.ageing, n_cuts));
+          std::min(earliest, coupling::compute_time_to_next_event(get_local_rev(id), parameters_.ageing, n_cuts));
     return dealii::Utilities::MPI::min(earliest, pool_.get_communicator());
   }
 
@@ -134,7 +134,7 @@ namespace coupling
   {
     const auto &here = pool_.get_local_points();
     const bool can_here = std::any_of(here.begin(), here.end(), [&](const PointId id) {
-      return can_cut_batch(*points_.at(id).rev, parameters_.ageing, n_cuts);
+      return can_cut_batch(get_local_rev(id), parameters_.ageing, n_cuts);
     });
     return dealii::Utilities::MPI::max(can_here ? 1 : 0, pool_.get_communicator()) > 0;
   }
@@ -165,11 +165,11 @@ namespace coupling
     const std::size_t n_columns = get_response_length(with_tangent);
     const auto rows =
         pool_.ask(questions, n_columns, [&](const PointId id, std::span<const double> question, std::span<double> row) {
-          dem::Rev &rev = *points_.at(id).rev;
-          const PointAnswer answer = coupling::evaluate(rev, take_tensor(question), with_tangent, parameters_.point);
+          LazyRev &rev = *points_.at(id).rev;
+          const PointAnswer answer = rev.evaluate(take_tensor(question), with_tangent);
           pack(answer.response, with_tangent, row);
           if (answer.response.status == Status::failed)
-            report_failure(id, rev.get_baseline(), answer.question, answer.report);
+            report_failure(id, rev.get_rev().get_baseline(), answer.question, answer.report);
         });
     for (std::size_t i = 0; i < responses.size(); ++i)
       responses[i] = unpack(std::span<const double>(rows).subspan(i * n_columns, n_columns), with_tangent);
@@ -182,9 +182,9 @@ namespace coupling
     bool is_excessive_here = false;
     for (const PointId id : pool_.get_local_points())
       {
-        dem::Rev &rev = *points_.at(id).rev;
+        LazyRev &rev = *points_.at(id).rev;
         rev.accept();
-        is_excessive_here |= is_excessive(rev);
+        is_excessive_here |= is_excessive(rev.get_rev());
       }
     settlement.is_excessive = dealii::Utilities::MPI::max(is_excessive_here ? 1 : 0, pool_.get_communicator()) > 0;
     if (settlement.is_excessive && !accept_excess)
@@ -201,13 +201,23 @@ namespace coupling
     const WorkKind kind = question.kind == QuestionKind::age ? WorkKind::age : WorkKind::split;
     constexpr std::size_t n_columns = 2; // grains broken; whether it has failed
     const auto rows = pool_.ask_all(kind, n_columns, [&](const PointId id, std::span<double> row) {
-      dem::Rev &rev = *points_.at(id).rev;
-      const dem::RevState before = rev.get_baseline();
-      const AgeingReport report = ask(rev, question, parameters_.ageing);
+      LazyRev &rev = *points_.at(id).rev;
+      AgeingReport report;
+      if (question.kind == QuestionKind::age && rev.needs_catching_up(question.dt))
+        {
+          report = rev.catch_up();
+          if (report.has_failed())
+            report_failure(id, rev.get_rev().get_baseline(), rev.describe_pending(), report);
+        }
+      if (!report.has_failed())
+        {
+          const dem::RevState before = rev.get_rev().get_baseline();
+          report = rev.change_baseline(question, parameters_.ageing);
+          if (report.has_failed())
+            report_failure(id, before, question, report);
+        }
       row[0] = static_cast<double>(report.n_broken);
       row[1] = report.has_failed() ? 1. : 0.;
-      if (report.has_failed())
-        report_failure(id, before, question, report);
     });
     Status status = Status::ok;
     n_broken = 0;

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "coupling/initial_state.h"
-#include "coupling/rev_point.h"
+#include "coupling/lazy_rev.h"
 
 #include "fem/constitutive_model.h"
 
@@ -28,6 +28,9 @@ namespace coupling
   {
     std::uint64_t grains = 0, cycles = 0, broken_instant = 0, broken_delayed = 0;
     double void_ratio = 0., void_ratio_with_fines = 0.; ///< means over the points [-]
+    std::uint64_t n_lazy = 0;                           ///< REVs whose present answer is their tangent's
+    double largest_error_bound = 0.;                    ///< of those answers [Pa]
+    LazyTally lazy;
   };
 
   inline constexpr auto cost_field = "REV cost [s]"; ///< processor time of a REV in the last step
@@ -77,13 +80,14 @@ namespace coupling
     /** Questions to points so far. */
     std::uint64_t get_n_evaluations() const { return n_evaluations_; }
     const RevPool &get_pool() const { return pool_; }
-    const dem::Rev &get_local_rev(PointId id) const { return *points_.at(id).rev; }
+    const dem::Rev &get_local_rev(PointId id) const { return points_.at(id).rev->get_rev(); }
+    const LazyRev &get_local_lazy_rev(PointId id) const { return *points_.at(id).rev; }
 
   private:
     struct Point
     {
-      std::unique_ptr<dem::Rev> rev; ///< null while it lives on another rank
-      unsigned int n_failures = 0;   ///< seen here
+      std::unique_ptr<LazyRev> rev; ///< null while it lives on another rank
+      unsigned int n_failures = 0;  ///< seen here
     };
 
     std::vector<std::byte> send_away(PointId id);
@@ -91,6 +95,8 @@ namespace coupling
 
     dem::RevModel make_model(PointId id) const;
     std::vector<dem::Matrix> bring_home(const RevPool::Questions &stresses);
+    void save_lazy_states(const std::string &file) const;
+    void load_lazy_states(const std::string &file);
     void update_fields();
     fem::Status change_baselines(const RevQuestion &question, unsigned int &n_broken);
     void report_failure(PointId id, const dem::RevState &before, const RevQuestion &question,

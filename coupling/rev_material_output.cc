@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cstring>
 #include <stdexcept>
 
 namespace coupling
@@ -25,16 +27,22 @@ namespace coupling
       broken_delayed,
       grains,
       cycles,
+      error_bound,
       cost,
       n_fields
     };
 
-    void fill_fields(const dem::Rev &rev, std::span<double> row)
+    /** Behind the fields of a point: what only sums tell of. */
+    constexpr std::size_t n_columns = n_fields + LazyRev::n_tally_numbers;
+
+    void fill_fields(const LazyRev &lazy, std::span<double> row)
     {
+      const dem::Rev &rev = lazy.get_rev();
       const dem::RevState &state = rev.get_committed();
       const auto contacts = dem::list_contacts(state, rev.get_law());
-      row[void_ratio] = dem::compute_void_ratio(state);
-      row[void_ratio_with_fines] = dem::compute_void_ratio_with_fines(state);
+      const double pending_volume = lazy.get_committed_state().pending.determinant(); // over that of the grains' cell
+      row[void_ratio] = (1. + dem::compute_void_ratio(state)) * pending_volume - 1.;
+      row[void_ratio_with_fines] = (1. + dem::compute_void_ratio_with_fines(state)) * pending_volume - 1.;
       row[fines_share] = 1. - dem::compute_solid_volume(state.grains) / state.initial_solid_volume;
       row[coordination] =
           dem::compute_coordination(contacts, state.grains.size(), rev.get_model().dynamics.motion.is_rotation_free)
@@ -44,7 +52,11 @@ namespace coupling
       row[broken_delayed] = static_cast<double>(state.counters.broken_delayed);
       row[grains] = static_cast<double>(state.grains.size());
       row[cycles] = static_cast<double>(state.counters.cycles);
+      row[error_bound] = lazy.get_committed_state().error_bound;
+      lazy.write_tally(row.subspan(n_fields));
     }
+
+    const std::string lazy_dataset = "/material/lazy_states";
 
     std::string name_dataset(const PointId id)
     {
@@ -74,21 +86,30 @@ namespace coupling
 
   std::vector<std::string> RevMaterial::get_field_names() const
   {
-    return {"void ratio [-]",     "void ratio with fines [-]", "fines [-]",  "coordination [-]", "time to fracture [s]",
-            "broken at once [-]", "broken delayed [-]",        "grains [-]", "cycles [-]",       cost_field};
+    return {"void ratio [-]",
+            "void ratio with fines [-]",
+            "fines [-]",
+            "coordination [-]",
+            "time to fracture [s]",
+            "broken at once [-]",
+            "broken delayed [-]",
+            "grains [-]",
+            "cycles [-]",
+            "bound of error of stress [Pa]",
+            cost_field};
   }
 
   void RevMaterial::update_fields()
   {
-    fields_ = pool_.collect(n_fields,
+    fields_ = pool_.collect(n_columns,
                             [&](const PointId id, std::span<double> row) { fill_fields(*points_.at(id).rev, row); });
     for (std::size_t i = 0; i < pool_.get_points().size(); ++i)
-      fields_[i * n_fields + cost] = pool_.get_step_costs()[i];
+      fields_[i * n_columns + cost] = pool_.get_step_costs()[i];
   }
 
   std::vector<double> RevMaterial::compute_fields(const PointId id) const
   {
-    const auto row = fields_.begin() + static_cast<std::ptrdiff_t>(pool_.get_index(id) * n_fields);
+    const auto row = fields_.begin() + static_cast<std::ptrdiff_t>(pool_.get_index(id) * n_columns);
     return {row, row + n_fields};
   }
 
@@ -98,13 +119,16 @@ namespace coupling
     const std::size_t n_points = pool_.get_points().size();
     for (std::size_t i = 0; i < n_points; ++i)
       {
-        const double *row = fields_.data() + i * n_fields;
+        const double *row = fields_.data() + i * n_columns;
         totals.grains += static_cast<std::uint64_t>(row[grains]);
         totals.cycles += static_cast<std::uint64_t>(row[cycles]);
         totals.broken_instant += static_cast<std::uint64_t>(row[broken_instant]);
         totals.broken_delayed += static_cast<std::uint64_t>(row[broken_delayed]);
         totals.void_ratio += row[void_ratio] / static_cast<double>(n_points);
         totals.void_ratio_with_fines += row[void_ratio_with_fines] / static_cast<double>(n_points);
+        totals.n_lazy += row[error_bound] > 0. ? 1 : 0;
+        totals.largest_error_bound = std::max(totals.largest_error_bound, row[error_bound]);
+        totals.lazy = add(totals.lazy, LazyRev::read_tally({row + n_fields, LazyRev::n_tally_numbers}));
       }
     return totals;
   }
@@ -113,7 +137,7 @@ namespace coupling
   {
     dem::Profile profile = departed_profile_;
     for (const PointId id : pool_.get_local_points())
-      profile += points_.at(id).rev->get_profile();
+      profile += get_local_rev(id).get_profile();
     return profile;
   }
 
@@ -121,8 +145,7 @@ namespace coupling
   {
     constexpr std::size_t n_columns = dealii::SymmetricTensor<2, 3>::n_independent_components;
     const auto rows = pool_.collect(n_columns, [&](const PointId id, std::span<double> row) {
-      const dem::RevState &state = points_.at(id).rev->get_committed();
-      const auto stress = to_symmetric_tensor(state.rotation * state.stress * state.rotation.transpose());
+      const auto stress = points_.at(id).rev->compute_committed_stress();
       std::copy(stress.begin_raw(), stress.end_raw(), row.begin());
     });
     std::map<PointId, dealii::SymmetricTensor<2, 3>> stresses;
@@ -137,7 +160,7 @@ namespace coupling
     pool_.agree([&]() {
       for (const PointId id : pool_.get_local_points())
         {
-          const dem::Rev &rev = *points_.at(id).rev;
+          const dem::Rev &rev = get_local_rev(id);
           const dem::RevState &state = rev.get_committed();
           dem::write_snapshot(fmt::format("{}_{}_{}.h5", prefix, id, suffix), state,
                               dem::list_contacts(state, rev.get_law()), {parameters_.model.identity.seed, id});
@@ -152,13 +175,42 @@ namespace coupling
       {
         std::vector<std::byte> bytes;
         if (pool_.get_owner(id) == pool_.get_rank())
-          bytes = dem::serialise(points_.at(id).rev->get_committed());
+          bytes = dem::serialise(get_local_rev(id).get_committed());
         bytes = send_to_first(std::move(bytes), pool_.get_owner(id), pool_);
         pool_.agree([&]() {
           if (pool_.get_rank() == 0)
             dem::write_bytes(file, name_dataset(id), bytes);
         });
       }
+    save_lazy_states(file);
+  }
+
+  // Rows of doubles in the order of the points; nothing where no REV has ever been lazy.
+  void RevMaterial::save_lazy_states(const std::string &file) const
+  {
+    const auto rows = pool_.collect(LazyRev::n_committed_numbers, [&](const PointId id, std::span<double> row) {
+      points_.at(id).rev->write_committed(row);
+    });
+    if (!parameters_.point.is_lazy() && compute_totals().lazy.n_questions == 0.)
+      return;
+    pool_.agree([&]() {
+      if (pool_.get_rank() == 0)
+        dem::write_bytes(file, lazy_dataset, std::as_bytes(std::span(rows)));
+    });
+  }
+
+  void RevMaterial::load_lazy_states(const std::string &file)
+  {
+    if (!dem::has_bytes(file, lazy_dataset))
+      return;
+    const auto bytes = dem::read_bytes(file, lazy_dataset);
+    std::vector<double> rows(bytes.size() / sizeof(double));
+    if (rows.size() != pool_.get_points().size() * LazyRev::n_committed_numbers)
+      throw std::runtime_error(fmt::format("{}, dataset {}: of another number of points", file, lazy_dataset));
+    std::memcpy(rows.data(), bytes.data(), bytes.size());
+    for (const PointId id : pool_.get_local_points())
+      points_.at(id).rev->read_committed(std::span<const double>(rows).subspan(
+          pool_.get_index(id) * LazyRev::n_committed_numbers, LazyRev::n_committed_numbers));
   }
 
   void RevMaterial::load(const std::string &file)
@@ -169,7 +221,8 @@ namespace coupling
           const auto bytes = dem::read_bytes(file, name_dataset(id));
           try
             {
-              points_.at(id).rev = std::make_unique<dem::Rev>(make_model(id), dem::deserialise(bytes));
+              points_.at(id).rev =
+                  std::make_unique<LazyRev>(dem::Rev(make_model(id), dem::deserialise(bytes)), parameters_.point);
             }
           catch (const std::runtime_error &error)
             {
@@ -177,6 +230,7 @@ namespace coupling
                   fmt::format("{}, dataset {}: {}", file, name_dataset(id), std::string(error.what())));
             }
         }
+      load_lazy_states(file);
     });
     update_fields();
   }

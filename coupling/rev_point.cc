@@ -8,14 +8,6 @@ namespace coupling
 {
   namespace
   {
-    dealii::SymmetricTensor<4, 3> compute_trial_tangent(const dem::Rev &rev, const dem::TangentKind kind)
-    {
-      dem::Tangent tangent = rev.compute_tangent(rev.get_trial(), kind);
-      if (!tangent.allFinite())
-        tangent = rev.compute_tangent(rev.get_trial(), dem::TangentKind::affine);
-      return rotate(to_tensor(tangent), rev.get_trial().rotation);
-    }
-
     bool is_too_large(const dealii::Tensor<2, 3> &deformation_increment)
     {
       return !(dealii::determinant(deformation_increment) > 0.);
@@ -36,19 +28,42 @@ namespace coupling
     return {dem::Matrix::Identity() + 0.5 * (turned + turned.transpose()), turn * baseline_rotation};
   }
 
+  std::optional<RevIncrement> find_increment(const dealii::Tensor<2, 3> &deformation_increment,
+                                             const dem::Matrix &baseline_rotation, const PointRule &rule)
+  {
+    if (is_too_large(deformation_increment))
+      return {};
+    const RevIncrement increment = split_increment(deformation_increment, baseline_rotation, rule.kinematics);
+    if (!((increment.stretch - dem::Matrix::Identity()).cwiseAbs().maxCoeff() <= rule.largest_stretch))
+      return {};
+    return increment;
+  }
+
+  dealii::SymmetricTensor<4, 3> compute_tangent(const dem::Rev &rev, const dem::RevState &state,
+                                                const dem::TangentKind kind)
+  {
+    dem::Tangent tangent = rev.compute_tangent(state, kind);
+    if (!tangent.allFinite())
+      tangent = rev.compute_tangent(state, dem::TangentKind::affine);
+    return to_tensor(tangent);
+  }
+
   PointAnswer evaluate(dem::Rev &rev, const dealii::Tensor<2, 3> &deformation_increment, const bool with_tangent,
                        const PointRule &rule)
+  {
+    const auto increment = find_increment(deformation_increment, rev.get_baseline().rotation, rule);
+    if (increment)
+      return evaluate(rev, *increment, with_tangent, rule);
+    PointAnswer refusal;
+    refusal.response.status = fem::Status::step_too_large;
+    return refusal;
+  }
+
+  PointAnswer evaluate(dem::Rev &rev, const RevIncrement &increment, const bool with_tangent, const PointRule &rule)
   {
     const dem::Clock::time_point start = dem::Clock::now();
     PointAnswer answer;
     fem::PointResponse &response = answer.response;
-    response.status = fem::Status::step_too_large;
-    if (is_too_large(deformation_increment))
-      return answer;
-    const RevIncrement increment = split_increment(deformation_increment, rev.get_baseline().rotation, rule.kinematics);
-    if (!((increment.stretch - dem::Matrix::Identity()).cwiseAbs().maxCoeff() <= rule.largest_stretch))
-      return answer;
-
     answer.question.stretch = increment.stretch;
     answer.report.rest = rev.deform(increment.stretch);
     rev.set_trial_rotation(increment.rotation);
@@ -59,7 +74,7 @@ namespace coupling
         const dem::Matrix &q = increment.rotation;
         response.stress = to_symmetric_tensor(q * rev.get_trial().stress * q.transpose());
         if (with_tangent)
-          response.tangent = compute_trial_tangent(rev, rule.tangent);
+          response.tangent = rotate(compute_tangent(rev, rev.get_trial(), rule.tangent), q);
       }
     response.cost_s = dem::measure_seconds_since(start);
     return answer;

@@ -5,6 +5,8 @@
 #include "fem/constitutive_model.h"
 #include "fem/kinematics.h"
 
+#include <optional>
+
 namespace coupling
 {
   /** A Gauss point's deformation increment as its REV sees it. */
@@ -29,7 +31,16 @@ namespace coupling
     fem::Kinematics kinematics = fem::Kinematics::finite;
     dem::TangentKind tangent = dem::TangentKind::condensed;
     double largest_stretch = 0.05; ///< largest |dU - 1| that is tried [-]; beyond it: step_too_large, no cycle is run
+    double lazy_tolerance = 0.; ///< bound of the error of an answer from the tangent, over the stress [-]; 0: no such
+                                ///< answer (lazy_rev.h)
+
+    bool is_lazy() const { return lazy_tolerance > 0.; }
   };
+
+  /** The increment that a REV is asked about, or nothing where it is too large to be tried. @param baseline_rotation Q0
+   */
+  std::optional<RevIncrement> find_increment(const dealii::Tensor<2, 3> &deformation_increment,
+                                             const dem::Matrix &baseline_rotation, const PointRule &rule);
 
   /** What a REV answered, in the solver's axes, and how it came to rest. */
   struct PointAnswer
@@ -47,4 +58,10 @@ namespace coupling
    */
   PointAnswer evaluate(dem::Rev &rev, const dealii::Tensor<2, 3> &deformation_increment, bool with_tangent,
                        const PointRule &rule);
+
+  /** The same for an increment in the REV's own axes. */
+  PointAnswer evaluate(dem::Rev &rev, const RevIncrement &increment, bool with_tangent, const PointRule &rule);
+
+  /** Tangent of one of a REV's states in its own axes [Pa]; the affine one where the network's cannot be factorised. */
+  dealii::SymmetricTensor<4, 3> compute_tangent(const dem::Rev &rev, const dem::RevState &state, dem::TangentKind kind);
 } // namespace coupling

@@ -355,6 +355,11 @@ namespace dem
     return bytes;
   }
 
+  bool has_bytes(const std::string &file, const std::string &dataset)
+  {
+    return Hdf5File(file).has(dataset);
+  }
+
   void write_text(const std::string &file, const std::string &dataset, const std::string &text)
   {
     Hdf5File hdf5(file, text.size());

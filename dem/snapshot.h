@@ -41,6 +41,9 @@ namespace dem
   /** Throws std::runtime_error naming file and dataset. */
   std::vector<std::byte> read_bytes(const std::string &file, const std::string &dataset);
 
+  /** True if the file holds something of that name. Throws std::runtime_error naming it if it cannot be read. */
+  bool has_bytes(const std::string &file, const std::string &dataset);
+
   /** A text entry inside an HDF5 file, for what is small and should be readable (progress, parameters). */
   void write_text(const std::string &file, const std::string &dataset, const std::string &text);
   std::string read_text(const std::string &file, const std::string &dataset);

@@ -1,4 +1,5 @@
-"""Law: history.csv is the same, byte for byte, on 1, 2 and 4 ranks, and with threads, whether REVs move between ranks or not."""
+"""Law: history.csv is the same, byte for byte, on 1, 2 and 4 ranks, and with threads, whether REVs move between ranks or not,
+and whether they may answer from their tangents or not."""
 
 import argparse
 import json
@@ -13,21 +14,32 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 import small_case  # noqa: E402
 
 
-def check_histories(build, folder):
+STAY, MOVE = small_case.STAY, small_case.MOVE
+ALL = (("1 rank", 1, ()), ("2 ranks", 2, MOVE), ("4 ranks", 4, MOVE), ("1 rank, 3 threads", 1, ("--threads", 3)),
+       ("2 ranks, 2 threads", 2, ("--threads", 2, *MOVE)), ("2 ranks, REVs stay", 2, STAY), ("4 ranks, REVs stay", 4, STAY))
+
+
+def check_lazy(build, folder):
+    """Some answers from tangents, some not."""
+    lazy = ("--set", "REVs/Lazy tolerance=1e-3")
+    lines = check_histories(build, folder, [(f"lazy, {name}", n_ranks, (*lazy, *options)) for name, n_ranks, options in ALL[:3]])
+    questions, forecasts = (int(float(value)) for value in lines[-1].split(",")[-2:])
+    if not 0 < forecasts < questions:
+        raise AssertionError(f"{forecasts} of {questions} answers are tangents'")
+    print(f"{forecasts} of {questions} answers from tangents")
+
+
+def check_histories(build, folder, runs):
     case = small_case.write_case(folder)
     histories = {}
-    stay, move = small_case.STAY, small_case.MOVE
-    for name, n_ranks, options in (("1 rank", 1, ()), ("2 ranks", 2, move), ("4 ranks", 4, move),
-                                   ("1 rank, 3 threads", 1, ("--threads", 3)),
-                                   ("2 ranks, 2 threads", 2, ("--threads", 2, *move)),
-                                   ("2 ranks, REVs stay", 2, stay), ("4 ranks, REVs stay", 4, stay)):
-        output = Path(folder) / name.replace(" ", "_")
+    for name, n_ranks, options in runs:
+        output = Path(folder) / name.replace(" ", "_").replace(",", "")
         small_case.run(build, n_ranks, case, "--output", output, *options)
         histories[name] = (output / "history.csv").read_bytes()
         moved = json.loads((output / "summary.json").read_text())["figures"]["REVs that changed their rank"]
-        if (moved > 0) != (options[-2:] == move[-2:]):  # moves that never happen would prove nothing
+        if (moved > 0) != (options[-2:] == MOVE[-2:]):  # moves that never happen would prove nothing
             raise AssertionError(f"{name}: {moved:g} REVs changed their rank")
-    one = histories["1 rank"]
+    one = histories[runs[0][0]]
     lines = one.decode().splitlines()
     broken = sum(int(value) for value in lines[-1].split(",")[5:7])
     if broken < 5:  # a run in which nothing happens would prove nothing
@@ -38,13 +50,14 @@ def check_histories(build, folder):
             raise AssertionError(f"{name}: history.csv differs from that of 1 rank, first in line "
                                  f"{differing + 1 if differing is not None else 'none: lengths differ'}")
     print(f"{len(lines) - 1} rows, {broken} grains broken: the same bytes on 1, 2, 4 ranks and with threads, REVs moving or not")
+    return lines
 
 
 def check_unit_tests(build):
     """The tests of the coupling hold on several ranks, too."""
     for n_ranks in (2, 3):
         subprocess.run(["mpirun", "-np", str(n_ranks), str(Path(build) / "tests" / "unit_coupling"),
-                        "--gtest_filter=RevPool*:MovingRevs*:RevMaterial*:RevTravel*:Balance*"], env=small_case.make_environment(), check=True,
+                        "--gtest_filter=RevPool*:MovingRevs*:RevMaterial*:RevTravel*:LazyRev*:Balance*"], env=small_case.make_environment(), check=True,
                        timeout=200, stdout=subprocess.DEVNULL)
 
 
@@ -54,7 +67,8 @@ def main():
     parser.add_argument("--build", required=True)
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
-        check_histories(options.build, folder)
+        check_histories(options.build, folder, ALL)
+        check_lazy(options.build, folder)
     check_unit_tests(options.build)
 
 
