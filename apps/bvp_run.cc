@@ -122,6 +122,7 @@ namespace apps
     coupling::RevMaterialParameters parameters = bvp_.rev_material;
     parameters.failure_folder = folder_.get_file("failures");
     parameters.is_resumed = line_.is_resumed;
+    parameters.tell = [this](const std::string &what) { progress_.show(what, 0.); };
     auto material = std::make_unique<coupling::RevMaterial>(
         parameters, coupling::RevPool(MPI_COMM_WORLD, !bvp_.is_distributed, line_.n_threads, bvp_.pool.balance));
     rev_material_ = material.get();

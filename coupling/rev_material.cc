@@ -101,6 +101,7 @@ namespace coupling
       points_[id];
     if (parameters_.is_resumed)
       return;
+    tell(fmt::format("packing grains for {} REVs", points_.size()));
     std::vector<dem::RevState> packings;
     if (parameters_.packing.n_levels > 0 && parameters_.packing.n_packings > 0)
       packings = distribute_library(pool_, parameters_.packing, parameters_.model, parameters_.consolidation,
@@ -113,12 +114,21 @@ namespace coupling
         points_[id].rev = std::make_unique<LazyRev>(dem::make_rev(make_model(id), packings[i]), parameters_.point);
       }
     stresses.kind = WorkKind::prepare;
+    std::size_t n_ready = 0;
     pool_.ask(stresses, 0, [&](const PointId id, std::span<const double> stress, std::span<double>) {
       LazyRev &rev = *points_.at(id).rev;
       rev = LazyRev(consolidate(rev.get_rev(), to_matrix(take_tensor(stress)), parameters_.consolidation),
                     parameters_.point);
+      const std::lock_guard lock(mutex_);
+      tell(fmt::format("{} of some {} REVs brought to their stress", ++n_ready, points_.size() / pool_.get_n_ranks()));
     });
     update_fields();
+  }
+
+  void RevMaterial::tell(const std::string &what) const
+  {
+    if (parameters_.tell)
+      parameters_.tell(what);
   }
 
   double RevMaterial::compute_time_to_next_event(const unsigned int n_cuts) const

@@ -5,6 +5,7 @@
 
 #include "fem/constitutive_model.h"
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -18,9 +19,10 @@ namespace coupling
     ConsolidationRule consolidation;
     AgeingRule ageing;
     PointRule point;
-    std::string failure_folder;       ///< where failed REVs are written; empty: nowhere
-    unsigned int n_failure_files = 3; ///< of one REV at most
-    bool is_resumed = false;          ///< the REVs will come from load(): initialise() makes none
+    std::string failure_folder;                        ///< where failed REVs are written; empty: nowhere
+    unsigned int n_failure_files = 3;                  ///< of one REV at most
+    bool is_resumed = false;                           ///< the REVs will come from load(): initialise() makes none
+    std::function<void(const std::string &what)> tell; ///< how far initialise() is, on each rank; empty: nobody
   };
 
   /** Sums over all REVs of the committed state, the same on every rank. */
@@ -93,6 +95,7 @@ namespace coupling
     std::vector<std::byte> send_away(PointId id);
     void receive(PointId id, std::span<const std::byte> bytes);
 
+    void tell(const std::string &what) const;
     dem::RevModel make_model(PointId id) const;
     std::vector<dem::Matrix> bring_home(const RevPool::Questions &stresses);
     void save_lazy_states(const std::string &file) const;
