@@ -111,9 +111,14 @@ def write_table(file, rows):
     print(file)
 
 
+def write_legend(axes):
+    """Below the axes, since a dozen series leave no room in them."""
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.22), ncol=2, fontsize=6, handlelength=3.)
+
+
 def draw_capacities(rows, folder):
     """Shaft capacity over that of the same pile at its first age, against age; thin: each seed."""
-    figure, axes = style.new_figure(2.8)
+    figure, axes = style.new_figure(3.8)
     for i, name in enumerate(dict.fromkeys(row["series"] for row in rows)):
         colour = style.CYCLE[i % len(style.CYCLE)]
         own = [row for row in rows if row["series"] == name]
@@ -128,13 +133,13 @@ def draw_capacities(rows, folder):
     axes.set_xlabel("age [s] (age 0 drawn at 100 s)")
     axes.set_ylabel("shaft capacity over that at age 0 [-]")
     axes.axhline(1., color=style.GREY, linewidth=0.6)
-    axes.legend(loc="best", fontsize=6)
+    write_legend(axes)
     print(style.save(figure, folder, "capacity"))
 
 
 def draw_radial_stress(runs, folder):
     """Mean radial stress on the shaft against age, of each run."""
-    figure, axes = style.new_figure(2.8)
+    figure, axes = style.new_figure(3.8)
     names = list(dict.fromkeys(series.name for series, _, _ in runs))
     drawn = set()
     for series, _, run_folder in runs:
@@ -149,7 +154,7 @@ def draw_radial_stress(runs, folder):
     axes.set_xlabel("age [s]")
     axes.set_ylabel("mean radial stress on the shaft [MPa]")
     axes.set_yscale("log")
-    axes.legend(loc="best", fontsize=6)
+    write_legend(axes)
     print(style.save(figure, folder, "radial_stress"))
 
 
