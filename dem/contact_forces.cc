@@ -27,22 +27,33 @@ namespace dem
     constexpr std::size_t fetch_ahead = 40; // far pairs
 
     /** Gives the grains of a block what far pairs of other blocks do to them. */
+    template <bool has_torques>
     void take_incoming(const GrainBlock &block, const ContactNetwork &network, const Forces &forces,
-                       const ForceRows &rows, const bool has_torques)
+                       const ForceRows &rows)
     {
-      for (std::size_t k = block.incoming_begin; k < block.incoming_end; ++k)
+      const std::uint32_t *const grains = network.incoming_grain.data(), *const far = network.incoming_far.data();
+      const Row *const far_force = forces.far_force.data(), *const far_torque = forces.far_torque.data();
+      const std::size_t end = block.incoming_end;
+      for (std::size_t k = block.incoming_begin; k < end;)
         {
-          const std::uint32_t grain = network.incoming_grain[k], far = network.incoming_far[k];
-          if (k + fetch_ahead < block.incoming_end)
+          const std::uint32_t grain = grains[k];
+          RowLanes force = load_row(rows.force[grain]), torque{};
+          if constexpr (has_torques)
+            torque = load_row(rows.torque[grain]);
+          do // in registers: through memory each addition would wait for the one before
             {
-              const std::uint32_t later = network.incoming_far[k + fetch_ahead];
-              __builtin_prefetch(&forces.far_force[later]);
-              if (has_torques)
-                __builtin_prefetch(&forces.far_torque[later]);
-            }
-          add_row(rows.force[grain], load_row(forces.far_force[far]));
-          if (has_torques)
-            add_row(rows.torque[grain], load_row(forces.far_torque[far]));
+              const std::uint32_t later = far[std::min(k + fetch_ahead, end - 1)];
+              __builtin_prefetch(&far_force[later]);
+              force += load_row(far_force[far[k]]);
+              if constexpr (has_torques)
+                {
+                  __builtin_prefetch(&far_torque[later]);
+                  torque += load_row(far_torque[far[k]]);
+                }
+          } while (++k < end && grains[k] == grain);
+          store_row(rows.force[grain], force);
+          if constexpr (has_torques)
+            store_row(rows.torque[grain], torque);
         }
     }
 
@@ -103,7 +114,10 @@ namespace dem
       void finish(const std::size_t k, const ForceRows &rows) const
       {
         const GrainBlock &block = network_.blocks[k];
-        take_incoming(block, network_, forces_, rows, task_.motion.is_rotation_free);
+        if (task_.motion.is_rotation_free)
+          take_incoming<true>(block, network_, forces_, rows);
+        else
+          take_incoming<false>(block, network_, forces_, rows);
         if (task_.motion.has_sums)
           {
             forces_.block_sums[k].stiffness = sum_stiffness(rows.force, block);

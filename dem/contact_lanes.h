@@ -108,7 +108,7 @@ namespace dem
   [[gnu::always_inline]] inline NormalLanesOf<L> compute_hertz_law(const LaneLawOf<L> &law, const L overlap,
                                                                    const L root_radius)
   {
-    const L root = root_radius * (overlap * compute_inverse_root(compute_larger(overlap, LaneLimits<L>::depth)));
+    const L root = root_radius * compute_root(overlap);
     return {law.hertz_scale * root * overlap, typename LaneLimits<L>::Real(1.5) * law.hertz_scale * root};
   }
 

@@ -245,6 +245,23 @@ namespace dem
 #endif
   }
 
+  /** sqrt(value). @pre value >= 0 */
+  [[gnu::always_inline]] inline Lanes compute_root(const Lanes value)
+  {
+#ifdef __AVX512VL__
+    const auto root = [](const Half v) { return reinterpret_cast<Half>(_mm512_sqrt_pd(reinterpret_cast<__m512d>(v))); };
+    return {root(value.low), root(value.high)};
+#else
+    Lanes root;
+    for (int i = 0; i < n_half; ++i)
+      {
+        root.low[i] = std::sqrt(value.low[i]);
+        root.high[i] = std::sqrt(value.high[i]);
+      }
+    return root;
+#endif
+  }
+
   [[gnu::always_inline]] inline double sum_lanes(const Lanes value)
   {
     const Half sum = value.low + value.high;

@@ -140,6 +140,19 @@ namespace dem
 #endif
   }
 
+  /** sqrt(value). @pre value >= 0 */
+  [[gnu::always_inline]] inline Singles compute_root(const Singles value)
+  {
+#ifdef __AVX512VL__
+    return reinterpret_cast<Single>(_mm512_sqrt_ps(reinterpret_cast<__m512>(value.v)));
+#else
+    Singles root;
+    for (int i = 0; i < n_singles; ++i)
+      root.v[i] = std::sqrt(value.v[i]);
+    return root;
+#endif
+  }
+
   /** 1/value to 2^-14 or better: for what matters little. @pre value normal */
   [[gnu::always_inline]] inline Singles estimate_inverse(const Singles value)
   {

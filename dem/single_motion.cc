@@ -59,21 +59,39 @@ namespace dem
     const float inertia_bound = static_cast<float>(kinetics.smallest_inertia);
     const bool is_true = task.rule.has_true_masses;
     const Columns to_counts(SingleMatrix(0x1p32 * kinetics.time_step * task.cell.edges.inverse()));
+    const TwinRow *const forces = task.forces;
+    CountRow *const counts = grains.counts.data();
+    TwinRow *const motion = grains.motion.data();
+    const auto get_mass = [=](const std::size_t i) {
+      return is_true ? counts[i].mass : std::max(forces[i].linear.w, mass_bound);
+    };
+    const auto get_inertia = [=](const std::size_t i) {
+      return is_true ? motion[i].angular.w : std::max(forces[i].angular.w, inertia_bound);
+    };
     Quad largest_square{};
-    for (std::size_t i = begin; i < end; ++i)
+    const auto advance = [&](const std::size_t i, const float over_mass, const float over_inertia) {
+      const Octet before = load_row(motion[i]);
+      const Octet change = join(spread(over_mass), spread(over_inertia)) * damp(load_row(forces[i]), before, alpha);
+      const Octet now = before + reinterpret_cast<Octet>(reinterpret_cast<OctetBits>(change) & is_component);
+      store_row(motion[i], now);
+      const Quad v = __builtin_shufflevector(now, now, 0, 1, 2, 3);
+      const Counts step = round(v[0] * to_counts.x + v[1] * to_counts.y + v[2] * to_counts.z);
+      store_row(counts[i], load_row(counts[i]) + step);
+      const Quad square = v * v;
+      largest_square = square > largest_square ? square : largest_square;
+    };
+    std::size_t i = begin;
+    for (; i + 4 <= end; i += 4) // all divisions at once: one takes as long as half of what else is done to a grain
       {
-        const Octet force = load_row(task.forces[i]), before = load_row(grains.motion[i]);
-        const Counts place = load_row(grains.counts[i]);
-        const float mass = is_true ? grains.counts[i].mass : std::max(force[3], mass_bound);
-        const float inertia = is_true ? before[7] : std::max(force[7], inertia_bound);
-        const Octet change = join(spread(dt / mass), spread(dt / inertia)) * damp(force, before, alpha);
-        const Octet now = before + reinterpret_cast<Octet>(reinterpret_cast<OctetBits>(change) & is_component);
-        store_row(grains.motion[i], now);
-        const Quad v = __builtin_shufflevector(now, now, 0, 1, 2, 3);
-        store_row(grains.counts[i], place + round(v[0] * to_counts.x + v[1] * to_counts.y + v[2] * to_counts.z));
-        const Quad square = v * v;
-        largest_square = square > largest_square ? square : largest_square;
+        const Octet over = dt / Octet{get_mass(i),     get_inertia(i),     get_mass(i + 1), get_inertia(i + 1),
+                                      get_mass(i + 2), get_inertia(i + 2), get_mass(i + 3), get_inertia(i + 3)};
+        advance(i, over[0], over[1]);
+        advance(i + 1, over[2], over[3]);
+        advance(i + 2, over[4], over[5]);
+        advance(i + 3, over[6], over[7]);
       }
+    for (; i < end; ++i)
+      advance(i, dt / get_mass(i), dt / get_inertia(i));
     const double square = static_cast<double>(largest_square[0]) + largest_square[1] + largest_square[2];
     return std::sqrt(square) * kinetics.time_step;
   }

@@ -64,6 +64,11 @@ namespace dem
     return {compute_inverse_root(value.low), compute_inverse_root(value.high)};
   }
 
+  [[gnu::always_inline]] inline Twins compute_root(const Twins &value)
+  {
+    return {compute_root(value.low), compute_root(value.high)};
+  }
+
   [[gnu::always_inline]] inline Twins compute_power(const Twins &x, const Twins &y)
   {
     return {compute_power(x.low, y.low), compute_power(x.high, y.high)};
