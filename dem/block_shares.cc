@@ -1,47 +1,75 @@
 #include "dem/block_shares.h"
 
 #include <algorithm>
+#include <atomic>
 
 namespace dem
 {
   namespace
   {
-    /** Share of the pairs that belongs to the threads before a thread. */
-    double compute_share_before(const std::size_t number, const std::size_t n_threads)
-    {
-      // The first thread completes its blocks on the way, which takes a fifth of the time of their pairs; nearly all
-      // those of the others wait until all pairs have been computed.
-      constexpr double completion = 0.2;
-      const double others = static_cast<double>(n_threads) - 1., first = 1. / (1. + (1. + completion) * others);
-      return number == 0 ? 0. : first + (1. - first) * (static_cast<double>(number) - 1.) / others;
-    }
-
-    /** First block of a thread's share of the pairs. */
+    /** First block of a thread's share of the pairs: the one that begins nearest to where the share does. */
     std::size_t find_share(const ContactNetwork &network, const std::size_t number, const std::size_t n_threads)
     {
       if (number == n_threads)
         return network.blocks.size();
-      const auto is_before = [](const GrainBlock &block, const double pair) {
-        return static_cast<double>(block.near_begin) < pair;
-      };
-      const auto begin = network.blocks.begin(), end = network.blocks.end();
-      const double pair = compute_share_before(number, n_threads) * static_cast<double>(network.size());
-      return std::lower_bound(begin, end, pair, is_before) - begin;
+      const std::size_t pair = network.size() * number / n_threads;
+      const auto is_before = [=](const GrainBlock &block) { return (block.far_begin + block.near_end) / 2 < pair; };
+      return std::partition_point(network.blocks.begin(), network.blocks.end(), is_before) - network.blocks.begin();
     }
 
-    /** Blocks that pairs of another thread reach into: complete once all pairs have been computed. */
-    std::vector<std::size_t> list_incomplete(const ContactNetwork &network, const std::size_t n_threads)
+    /** One cycle's work, which threads come together at. */
+    class Sharing
     {
-      std::vector<std::size_t> blocks;
-      for (std::size_t number = 1; number < n_threads; ++number)
-        {
-          const std::size_t begin = find_share(network, number, n_threads);
-          for (std::size_t k = begin; k < find_share(network, number + 1, n_threads); ++k)
-            if (network.blocks[k].first_source < begin)
-              blocks.push_back(k);
-        }
-      return blocks;
-    }
+    public:
+      Sharing(const ContactNetwork &network, const std::size_t n_threads, const BlockWork &work)
+          : blocks_(network.blocks), network_(network), work_(work), is_ahead_(n_threads)
+      {}
+
+      void do_share(const std::size_t number)
+      {
+        const std::size_t begin = find_share(network_, number, is_ahead_.size());
+        const std::size_t end = find_share(network_, number + 1, is_ahead_.size());
+        const auto leaves = [&](const std::size_t k) { return blocks_[k].last_target >= end; };
+        const auto is_own = [&](const std::size_t k) { return blocks_[k].first_source >= begin; };
+        for (std::size_t k = begin; k < end; ++k)
+          if (leaves(k))
+            work_.compute_far(k);
+        is_ahead_[number].store(true, std::memory_order_release);
+
+        const auto complete_until = [&](const std::size_t last) {
+          for (std::size_t k = begin; k < last; ++k)
+            if (!is_own(k))
+              work_.complete(k);
+        };
+        bool is_met = number == 0;
+        for (std::size_t k = begin; k < end; ++k)
+          {
+            if (!is_met && are_ahead(number))
+              {
+                is_met = true;
+                complete_until(k);
+              }
+            work_.compute(k, number, leaves(k), is_met || is_own(k));
+          }
+        if (is_met)
+          return;
+        wait_until([&] { return are_ahead(number); });
+        complete_until(end);
+      }
+
+    private:
+      /** Whether all threads before this one have computed what reaches into its blocks. */
+      bool are_ahead(const std::size_t number) const
+      {
+        return std::all_of(is_ahead_.begin(), is_ahead_.begin() + static_cast<std::ptrdiff_t>(number),
+                           [](const std::atomic<bool> &is_ahead) { return is_ahead.load(std::memory_order_acquire); });
+      }
+
+      const std::vector<GrainBlock> &blocks_;
+      const ContactNetwork &network_;
+      const BlockWork &work_;
+      std::vector<std::atomic<bool>> is_ahead_;
+    };
   } // namespace
 
   std::size_t count_largest_block(const ContactNetwork &network)
@@ -52,14 +80,7 @@ namespace dem
 
   void share_blocks(const ContactNetwork &network, Team &team, const BlockWork &work)
   {
-    const std::size_t n_threads = team.size();
-    team.run(n_threads, [&](const std::size_t number) {
-      // Pairs reach forwards only: a block is complete after its own, unless another thread's reach into it.
-      const std::size_t begin = find_share(network, number, n_threads);
-      for (std::size_t k = begin; k < find_share(network, number + 1, n_threads); ++k)
-        work.compute(k, number, network.blocks[k].first_source >= begin);
-    });
-    const std::vector<std::size_t> rest = list_incomplete(network, n_threads);
-    team.run(rest.size(), [&](const std::size_t i) { work.complete(rest[i]); });
+    Sharing sharing(network, team.size(), work);
+    team.run(team.size(), [&](const std::size_t number) { sharing.do_share(number); });
   }
 } // namespace dem

@@ -21,14 +21,19 @@ namespace dem
   /** What is to be done with each block of a network. */
   struct BlockWork
   {
-    /** Computes the pairs of block k on a thread of the team; with is_complete no other thread's pairs reach into the
-     * block, and it is finished at once. */
-    std::function<void(std::size_t k, std::size_t thread, bool is_complete)> compute;
-    /** Finishes a block that other threads' pairs reach into, once all pairs have been computed. */
+    /** Computes the far pairs of block k alone, ahead of its turn. */
+    std::function<void(std::size_t k)> compute_far;
+    /** Computes the pairs of block k on a thread of the team, less the far ones where they have been; with is_complete
+     * all that reach into the block have been computed, and it is finished at once. */
+    std::function<void(std::size_t k, std::size_t thread, bool has_far, bool is_complete)> compute;
+    /** Finishes a block once all pairs that reach into it have been computed. */
     std::function<void(std::size_t k)> complete;
   };
 
-  /** Each thread takes one run of blocks, with pairs that take all about the same time; results need not depend on how
-   * many threads there are. */
+  /**
+   * Each thread takes one run of blocks, with pairs that take all about the same time, and finishes them itself, since
+   * they lie in its cache. Pairs reach forwards only, so threads first compute what reaches into blocks of other
+   * threads, and seldom wait for each other. Results need not depend on how many threads there are.
+   */
   void share_blocks(const ContactNetwork &network, Team &team, const BlockWork &work);
 } // namespace dem

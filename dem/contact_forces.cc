@@ -11,16 +11,21 @@ namespace dem
 {
   namespace
   {
+    /** The far pairs of a block, which come first, or its near ones. */
     template <bool is_rough, bool is_rotation_free>
-    ContactSums compute_block(const ForceTask &task, const GrainBlock &block, ContactNetwork &network, Forces &forces,
-                              const ForceRows &rows)
+    ContactSums compute_pairs(const ForceTask &task, const GrainBlock &block, ContactNetwork &network, Forces &forces,
+                              const ForceRows &rows, const bool is_far)
     {
-      std::fill(rows.force + block.grain_begin, rows.force + block.grain_end, Row{});
-      if constexpr (is_rotation_free)
-        std::fill(rows.torque + block.grain_begin, rows.torque + block.grain_end, Row{});
       PairLoop<is_rough, is_rotation_free> loop(task, network, forces, rows);
-      loop.run_near(block);
-      loop.run_far(block);
+      if (!is_far)
+        loop.run_near(block);
+      else
+        {
+          std::fill(rows.force + block.grain_begin, rows.force + block.grain_end, Row{});
+          if constexpr (is_rotation_free)
+            std::fill(rows.torque + block.grain_begin, rows.torque + block.grain_end, Row{});
+          loop.run_far(block);
+        }
       return loop.finish();
     }
 
@@ -80,27 +85,37 @@ namespace dem
           : task_(task), network_(network), forces_(forces), is_complete_(is_complete)
       {}
 
-      /** The pairs of block k, and all of it once no other thread's pairs reach into it. */
-      void compute(const std::size_t k, const std::size_t thread, const bool is_complete) const
+      void compute_far(const std::size_t k) const { compute_far(k, forces_.get_rows()); }
+
+      /** The pairs of block k, and all of it once all that reach into it have been computed. */
+      void compute(const std::size_t k, const std::size_t thread, const bool has_far, const bool is_complete) const
       {
-        const ForceRows rows = is_complete && is_complete_ ? get_passing_rows(k, thread) : forces_.get_rows();
-        forces_.block_sums[k] = compute_(task_, network_.blocks[k], network_, forces_, rows);
+        const bool is_passing = is_complete && !has_far && is_complete_;
+        const ForceRows rows = is_passing ? get_passing_rows(k, thread) : forces_.get_rows();
+        if (!has_far)
+          compute_far(k, rows);
+        add_to(forces_.block_sums[k], compute_(task_, network_.blocks[k], network_, forces_, rows, false));
         if (is_complete)
           finish(k, rows);
       }
 
-      /** A block that other threads' pairs reach into. @pre all pairs have been computed */
+      /** @pre all pairs that reach into block k have been computed */
       void complete(const std::size_t k) const { finish(k, forces_.get_rows()); }
 
     private:
       using Compute = ContactSums (*)(const ForceTask &, const GrainBlock &, ContactNetwork &, Forces &,
-                                      const ForceRows &);
+                                      const ForceRows &, bool);
 
       static Compute choose(const bool is_rough, const bool is_rotation_free)
       {
         if (is_rough)
-          return is_rotation_free ? compute_block<true, true> : compute_block<true, false>;
-        return is_rotation_free ? compute_block<false, true> : compute_block<false, false>;
+          return is_rotation_free ? compute_pairs<true, true> : compute_pairs<true, false>;
+        return is_rotation_free ? compute_pairs<false, true> : compute_pairs<false, false>;
+      }
+
+      void compute_far(const std::size_t k, const ForceRows &rows) const
+      {
+        forces_.block_sums[k] = compute_(task_, network_.blocks[k], network_, forces_, rows, true);
       }
 
       ForceRows get_passing_rows(const std::size_t k, const std::size_t thread) const
@@ -165,18 +180,21 @@ namespace dem
     return sums;
   }
 
+  void add_to(ContactSums &sums, const ContactSums &part)
+  {
+    sums.force_times_branch += part.force_times_branch;
+    sums.normal_force += part.normal_force;
+    sums.stiffness += part.stiffness;
+    sums.turning_stiffness += part.turning_stiffness;
+    sums.stiffness_moment += part.stiffness_moment;
+    sums.n_touching += part.n_touching;
+  }
+
   ContactSums add_up(const std::vector<ContactSums> &parts)
   {
     ContactSums sums;
     for (const ContactSums &part : parts)
-      {
-        sums.force_times_branch += part.force_times_branch;
-        sums.normal_force += part.normal_force;
-        sums.stiffness += part.stiffness;
-        sums.turning_stiffness += part.turning_stiffness;
-        sums.stiffness_moment += part.stiffness_moment;
-        sums.n_touching += part.n_touching;
-      }
+      add_to(sums, part);
     return sums;
   }
 
@@ -200,8 +218,9 @@ namespace dem
     make_room(task, network, team.size(), forces);
     const BlockRun run(task, network, forces, is_complete);
     share_blocks(network, team,
-                 {[&run](const std::size_t k, const std::size_t thread, const bool is_complete) {
-                    run.compute(k, thread, is_complete);
+                 {[&run](const std::size_t k) { run.compute_far(k); },
+                  [&run](const std::size_t k, const std::size_t thread, const bool has_far, const bool is_all) {
+                    run.compute(k, thread, has_far, is_all);
                   },
                   [&run](const std::size_t k) { run.complete(k); }});
     if (task.motion.has_contact_stress)

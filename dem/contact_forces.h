@@ -85,6 +85,9 @@ namespace dem
   /** Where nothing has been added up. */
   ContactSums get_unknown_sums();
 
+  /** Adds what contacts of some blocks or lists come to. */
+  void add_to(ContactSums &sums, const ContactSums &part);
+
   /** Sums of the blocks, in their order. */
   ContactSums add_up(const std::vector<ContactSums> &parts);
 

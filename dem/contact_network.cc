@@ -2,6 +2,7 @@
 
 #include "dem/contact_creep.h"
 #include "dem/memory.h"
+#include "dem/network_builder.h"
 #include "dem/wall_contacts.h"
 
 #include <algorithm>
@@ -10,169 +11,6 @@
 
 namespace dem
 {
-  namespace
-  {
-
-    /** Blocks of nearly equal size, an even number of them once there are two. */
-    void make_blocks(ContactNetwork &network, const std::size_t n_grains)
-    {
-      // Beyond the cache fewer far pairs, whose forces pass through memory, outweigh blocks that lie near at hand.
-      const std::size_t size = n_grains > cached_grains ? 4 * grains_per_block : grains_per_block;
-      const std::size_t n_full = (n_grains + size - 1) / size;
-      const std::size_t n_blocks = n_full <= 2 ? 1 : n_full + n_full % 2;
-      network.blocks.resize(n_blocks);
-      for (std::size_t k = 0; k < n_blocks; ++k)
-        {
-          network.blocks[k].grain_begin = n_grains * k / n_blocks;
-          network.blocks[k].grain_end = n_grains * (k + 1) / n_blocks;
-        }
-    }
-
-    void append_places(ContactNetwork &network, const std::uint32_t a, const std::uint32_t b)
-    {
-      network.a.push_back(a);
-      network.b.push_back(b);
-      network.row_a.push_back(static_cast<RowOffset>(a * sizeof(Row)));
-      network.row_b.push_back(static_cast<RowOffset>(b * sizeof(Row)));
-    }
-
-    void append(ContactNetwork &network, const NearPair &pair, const std::vector<Row> &place)
-    {
-      append_places(network, pair.a, pair.b);
-      network.radius_sum.push_back(place[pair.a].w + place[pair.b].w);
-      network.root_radius.push_back(std::sqrt(compute_effective_radius(place[pair.a].w, place[pair.b].w)));
-    }
-
-    /** Fills the last vector of a list. */
-    void fill_up(ContactNetwork &network, const std::size_t grain)
-    {
-      while (network.a.size() % n_lanes != 0)
-        {
-          append_places(network, static_cast<std::uint32_t>(grain), static_cast<std::uint32_t>(grain));
-          network.radius_sum.push_back(0.);
-          network.root_radius.push_back(0.);
-        }
-    }
-
-    /** Which pairs touch. */
-    std::vector<bool> find_touching(const std::vector<NearPair> &pairs, const RevState &state)
-    {
-      std::vector<bool> is_touching;
-      is_touching.reserve(pairs.size());
-      for (const NearPair &pair : pairs)
-        {
-          const Row &a = state.grains.place[pair.a], &b = state.grains.place[pair.b];
-          const double sum = a.w + b.w;
-          is_touching.push_back(compute_branch(state.cell, a, b).squaredNorm() < sum * sum);
-        }
-      return is_touching;
-    }
-
-    /** Pairs block by block, near ones first, and of either sort first those that touch: vectors of pairs that are
-     * apart are done with once that is seen. @return place of each pair of `pairs` in the network */
-    std::vector<std::uint32_t> lay_out_pairs(ContactNetwork &network, const std::vector<NearPair> &pairs,
-                                             const RevState &state)
-    {
-      const std::vector<bool> touches = find_touching(pairs, state);
-      std::vector<std::uint32_t> place_of_pair(pairs.size());
-      std::size_t begin = 0, end = 0;
-      for (GrainBlock &block : network.blocks)
-        {
-          while (end < pairs.size() && pairs[end].a < block.grain_end)
-            ++end;
-          const auto append_all = [&](const bool is_far) {
-            for (const bool touching : {true, false})
-              for (std::size_t k = begin; k < end; ++k)
-                if ((pairs[k].b >= block.grain_end) == is_far && touches[k] == touching)
-                  {
-                    place_of_pair[k] = static_cast<std::uint32_t>(network.a.size());
-                    append(network, pairs[k], state.grains.place);
-                  }
-            fill_up(network, block.grain_begin);
-          };
-          block.near_begin = network.a.size();
-          append_all(false);
-          block.far_begin = network.a.size();
-          block.first_far = network.n_far;
-          append_all(true);
-          block.far_end = network.a.size();
-          network.n_far += block.far_end - block.far_begin;
-          begin = end;
-        }
-      return place_of_pair;
-    }
-
-    /** Far pairs sorted by their second grain, those of one grain in their own order. */
-    void list_incoming(ContactNetwork &network, const std::size_t n_grains)
-    {
-      std::vector<std::uint32_t> start(n_grains + 1, 0);
-      for (const GrainBlock &block : network.blocks)
-        for (std::size_t k = block.far_begin; k < block.far_end; ++k)
-          if (network.is_pair(k))
-            ++start[network.b[k] + 1];
-      std::partial_sum(start.begin(), start.end(), start.begin());
-      for (GrainBlock &block : network.blocks)
-        {
-          block.incoming_begin = start[block.grain_begin];
-          block.incoming_end = start[block.grain_end];
-        }
-      network.incoming_far.resize(start.back());
-      network.incoming_grain.resize(start.back());
-      for (const GrainBlock &block : network.blocks) // in rising order: what a grain gets is added in that order
-        for (std::size_t k = block.far_begin; k < block.far_end; ++k)
-          if (network.is_pair(k))
-            {
-              const std::uint32_t place = start[network.b[k]]++;
-              network.incoming_far[place] = static_cast<std::uint32_t>(block.first_far + (k - block.far_begin));
-              network.incoming_grain[place] = network.b[k];
-            }
-    }
-
-    /** For each block the lowest one whose pairs reach into it. @pre list_incoming */
-    void find_sources(ContactNetwork &network)
-    {
-      for (std::size_t k = 0; k < network.blocks.size(); ++k)
-        {
-          GrainBlock &block = network.blocks[k];
-          block.first_source = k;
-          for (std::size_t i = block.incoming_begin; i < block.incoming_end; ++i)
-            while (network.incoming_far[i] < network.blocks[block.first_source].first_far)
-              --block.first_source;
-        }
-    }
-
-    /** Where contacts have crept, grains touch later: their springs and lever arms see radii that are less by that. */
-    void take_creep_off(ContactNetwork &network, const RevState &state)
-    {
-      if (state.crept_contacts.empty())
-        return;
-      for (std::size_t k = 0; k < network.size(); ++k)
-        if (network.is_pair(k))
-          network.radius_sum[k] -= find_crept_overlap(state, network.a[k], network.b[k]);
-    }
-
-    /** Hands the shear forces of touching pairs over to the pairs of a new network. */
-    void restore_memories(ContactNetwork &network, const std::vector<NearPair> &pairs,
-                          const std::vector<std::uint32_t> &place_of_pair, const RevState &state)
-    {
-      std::vector<std::uint32_t> start(state.grains.size() + 1, 0); // of the pairs of each first grain
-      for (const NearPair &pair : pairs)
-        ++start[pair.a + 1];
-      std::partial_sum(start.begin(), start.end(), start.begin());
-      for (const ContactMemory &memory : state.contacts)
-        {
-          if (is_wall(memory.b))
-            continue;
-          const auto [a, b] = std::minmax(memory.a, memory.b);
-          for (std::uint32_t k = start[a]; k < start[a + 1]; ++k)
-            if (pairs[k].b == b)
-              network.set_shear(place_of_pair[k],
-                                memory.a < memory.b ? memory.shear_force : Vector(-memory.shear_force),
-                                memory.is_sliding ? PairStatus::slides : PairStatus::sticks);
-        }
-    }
-  } // namespace
-
   std::size_t ContactNetwork::count_bytes() const
   {
     return dem::count_bytes(a, b, row_a, row_b, radius_sum, root_radius, shear_x, shear_y, shear_z, status, blocks,
@@ -208,32 +46,12 @@ namespace dem
     return compute_narrowest_width(cell) > 2. * reach;
   }
 
-  ContactNetwork build_contact_network(const RevState &state, const double skin, ContactSearch &search)
-  {
-    ContactNetwork network;
-    network.skin = skin;
-    network.reach = compute_reach(state.grains, skin);
-    network.place_when_built = state.grains.place;
-    network.edges_when_built = state.cell.edges;
-    make_blocks(network, state.grains.size());
-    const std::vector<NearPair> &pairs = search.list_near_pairs(state.cell, state.grains.place, skin);
-    const auto place_of_pair = lay_out_pairs(network, pairs, state);
-    list_incoming(network, state.grains.size());
-    find_sources(network);
-
-    for (auto *shear : {&network.shear_x, &network.shear_y, &network.shear_z})
-      shear->assign(network.size(), 0.);
-    network.status.assign(network.size(), PairStatus::is_apart);
-    restore_memories(network, pairs, place_of_pair, state);
-    take_creep_off(network, state);
-    network.wall_pairs = list_wall_pairs(state, skin);
-    return network;
-  }
-
   ContactNetwork build_contact_network(const RevState &state, const double skin)
   {
-    ContactSearch search;
-    return build_contact_network(state, skin, search);
+    Team alone(1);
+    ContactNetwork network;
+    NetworkBuilder().build(state, skin, alone, network);
+    return network;
   }
 
   double compute_used_skin(const ContactNetwork &network, const Cell &cell, const Grains &grains)
@@ -250,14 +68,35 @@ namespace dem
 
   std::vector<ContactMemory> collect_memories(const ContactNetwork &network)
   {
+    Team alone(1);
     std::vector<ContactMemory> memories;
-    for (std::size_t i = 0; i < network.size(); ++i)
-      if (network.status[i] != PairStatus::is_apart)
-        memories.push_back({network.a[i], network.b[i], network.get_shear(i), network.status[i] == PairStatus::slides});
+    collect_memories(network, alone, memories);
+    return memories;
+  }
+
+  void collect_memories(const ContactNetwork &network, Team &team, std::vector<ContactMemory> &memories)
+  {
+    const std::size_t n_shares = team.size();
+    const auto get_bound = [&](const std::size_t share) { return network.size() * share / n_shares; };
+    const auto is_touching = [&](const std::size_t k) { return network.status[k] != PairStatus::is_apart; };
+    std::vector<std::size_t> first(n_shares + 1, 0); // of the memories of each share of the pairs
+    team.run(n_shares, [&](const std::size_t share) {
+      std::size_t n = 0;
+      for (std::size_t k = get_bound(share); k < get_bound(share + 1); ++k)
+        n += is_touching(k);
+      first[share + 1] = n;
+    });
+    std::partial_sum(first.begin(), first.end(), first.begin());
+    memories.resize(first.back());
+    team.run(n_shares, [&](const std::size_t share) {
+      std::size_t to = first[share];
+      for (std::size_t k = get_bound(share); k < get_bound(share + 1); ++k)
+        if (is_touching(k))
+          memories[to++] = {network.a[k], network.b[k], network.get_shear(k), network.status[k] == PairStatus::slides};
+    });
     for (const WallPair &pair : network.wall_pairs)
       if (pair.status != PairStatus::is_apart)
         memories.push_back({pair.grain, to_partner(pair.wall), pair.shear_force, pair.status == PairStatus::slides});
-    return memories;
   }
 
   std::vector<Contact> list_contacts(const RevState &state, const ContactLaw &law)

@@ -2,9 +2,9 @@
 
 #include "dem/contact.h"
 #include "dem/contact_law.h"
-#include "dem/contact_search.h"
 #include "dem/lane_rows.h"
 #include "dem/rev_state.h"
+#include "dem/team.h"
 
 #include <span>
 #include <vector>
@@ -23,17 +23,18 @@ namespace dem
   };
 
   /**
-   * Some grains next to each other in storage, and the pairs whose first grain is one of them: near pairs, the second
-   * grain in the same block, then far pairs. A block is the unit of work that threads share; blocks depend on the
+   * Some grains next to each other in storage, and the pairs whose first grain is one of them: far pairs, the second
+   * grain in a later block, then near pairs. A block is the unit of work that threads share; blocks depend on the
    * number of grains alone, so that sums do not depend on the number of threads.
    */
   struct GrainBlock
   {
     std::size_t grain_begin, grain_end;
-    std::size_t near_begin, far_begin, far_end; ///< places of pairs, multiples of the number of lanes
-    std::size_t first_far;                      ///< place of its first far pair among all far pairs
-    std::size_t incoming_begin, incoming_end;   ///< far pairs of other blocks whose second grain is here
+    std::size_t far_begin, near_begin, near_end; ///< places of pairs, multiples of the number of lanes
+    std::size_t first_far;                       ///< place of its first far pair among all far pairs
+    std::size_t incoming_begin, incoming_end;    ///< far pairs of other blocks whose second grain is here
     std::size_t first_source; ///< lowest block with such a pair, or the block itself; none of them is higher
+    std::size_t last_target;  ///< highest block that its own far pairs reach into, or the block itself
   };
 
   /** A grain and a wall that may touch. */
@@ -85,10 +86,9 @@ namespace dem
    *  image of what a grain touches to be that grain itself. */
   bool is_wide_enough(const Cell &cell, double reach);
 
-  /** @pre is_wide_enough(state.cell, compute_reach(state.grains, skin)) */
-  ContactNetwork build_contact_network(const RevState &state, double skin, ContactSearch &search);
-
-  /** The same for who builds once. */
+  /** For who builds once, by the calling thread alone (NetworkBuilder builds again and again).
+   *
+   * @pre is_wide_enough(state.cell, compute_reach(state.grains, skin)) */
   ContactNetwork build_contact_network(const RevState &state, double skin);
 
   /** How much of the skin has been used up [m]; a pair outside the network may touch once this exceeds the skin. */
@@ -96,6 +96,9 @@ namespace dem
 
   /** What its touching pairs remember, in the network's order; walls after all grains. */
   std::vector<ContactMemory> collect_memories(const ContactNetwork &network);
+
+  /** The same into room that is there already, by a team. */
+  void collect_memories(const ContactNetwork &network, Team &team, std::vector<ContactMemory> &memories);
 
   /** The touching pairs of a state with all that is known of them, in the order of state.contacts; forces by the
    *  reference law. */

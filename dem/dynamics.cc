@@ -87,9 +87,9 @@ namespace dem
     const double skin = rule_.skin_share * compute_mean_radius(state_.grains);
     is_wide_enough_ = dem::is_wide_enough(state_.cell, compute_reach(state_.grains, skin));
     if (is_wide_enough_)
-      network_ = build_contact_network(state_, skin, search_);
+      builder_.build(state_, skin, team_, network_);
     if (is_wide_enough_ && single_)
-      single_->load(state_, network_);
+      single_->load(state_, network_, team_);
     travel_ = 0.;
   }
 
@@ -194,7 +194,7 @@ namespace dem
   {
     if (single_)
       single_->write_shear(network_);
-    state_.contacts = collect_memories(network_);
+    collect_memories(network_, team_, state_.contacts);
   }
 
   void Dynamics::store()
@@ -230,7 +230,7 @@ namespace dem
 
   std::size_t Dynamics::count_bytes() const
   {
-    return network_.count_bytes() + search_.count_bytes() + (single_ ? single_->count_bytes() : 0) +
+    return network_.count_bytes() + builder_.count_bytes() + (single_ ? single_->count_bytes() : 0) +
            dem::count_bytes(forces_.force, forces_.torque, forces_.largest_stress, forces_.far_force,
                             forces_.far_torque, forces_.passing_force, forces_.passing_torque, forces_.normal_force,
                             forces_.overlap, forces_.block_sums);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "dem/motion.h"
+#include "dem/network_builder.h"
 #include "dem/precision.h"
 #include "dem/profile.h"
 
@@ -93,7 +94,7 @@ namespace dem
     RevState &state_;
     const ContactLaw &law_;
     const DynamicsRule rule_;
-    ContactSearch search_;
+    NetworkBuilder builder_;
     ContactNetwork network_;
     Forces forces_;
     Kinetics kinetics_;

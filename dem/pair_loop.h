@@ -41,14 +41,19 @@ namespace dem
     /** Near pairs: both grains get their force at once. */
     void run_near(const GrainBlock &block)
     {
-      for (std::size_t k = block.near_begin; k < block.far_begin; k += n_lanes)
-        compute<false>(k, 0);
+      std::size_t next = block.grain_end;
+      for (std::size_t k = block.near_begin; k < block.near_end; k += n_lanes, next += fetched_grains)
+        {
+          if (is_beyond_cache_)
+            fetch_grains(next);
+          compute<false>(k, 0);
+        }
     }
 
     /** Far pairs: what the second grain gets waits in `far_force` and `far_torque`. */
     void run_far(const GrainBlock &block)
     {
-      for (std::size_t k = block.far_begin; k < block.far_end; k += n_lanes)
+      for (std::size_t k = block.far_begin; k < block.near_begin; k += n_lanes)
         compute<true>(k, block.first_far + (k - block.far_begin));
     }
 
@@ -67,7 +72,9 @@ namespace dem
 
   private:
     static constexpr std::size_t fetch_ahead = 2 * n_lanes; ///< pairs; their lists are called twice as far ahead
-    static constexpr double far_apart = 1e200;              ///< squared [m2]
+    static constexpr std::size_t fetched_grains =
+        6;                                     ///< with each vector of pairs: those of a block with its near pairs
+    static constexpr double far_apart = 1e200; ///< squared [m2]
 
     /** How grains move against each other. */
     struct Relative
@@ -94,7 +101,7 @@ namespace dem
     [[gnu::always_inline]] void compute(const std::size_t k, const std::size_t far)
     {
       if (is_beyond_cache_)
-        fetch(std::min(k + fetch_ahead, network_.size() - n_lanes));
+        fetch<is_far>(std::min(k + fetch_ahead, network_.size() - n_lanes), far + fetch_ahead);
       // Loads stand between the roots, whose results nobody can use at once.
       Touch touch = locate(k);
       if (!is_any(touch.is_touching))
@@ -118,7 +125,8 @@ namespace dem
      * Calls later pairs into the cache, and before them their second grains: these come in no order that the processor
      * could foresee, and at each page of memory it begins anew to see the order of the others.
      */
-    [[gnu::always_inline]] void fetch(const std::size_t k) const
+    template <bool is_far>
+    [[gnu::always_inline]] void fetch(const std::size_t k, const std::size_t far) const
     {
       constexpr std::size_t line = 64;
       for (const double *const list : {&network_.radius_sum[k], &network_.root_radius[k], &network_.shear_x[k],
@@ -134,6 +142,26 @@ namespace dem
           __builtin_prefetch(&get_row(velocity_, b[j]));
           if constexpr (is_rotation_free)
             __builtin_prefetch(&get_row(spin_, b[j]));
+        }
+      if constexpr (is_far)
+        for (std::size_t byte = 0; byte < n_lanes * sizeof(Row); byte += line)
+          {
+            __builtin_prefetch(reinterpret_cast<const char *>(forces_.far_force.data() + far) + byte, 1);
+            if constexpr (is_rotation_free)
+              __builtin_prefetch(reinterpret_cast<const char *>(forces_.far_torque.data() + far) + byte, 1);
+          }
+    }
+
+    /** Calls grains of the next block into the cache while this one is computed. */
+    [[gnu::always_inline]] void fetch_grains(const std::size_t begin) const
+    {
+      constexpr std::size_t per_line = 2;
+      for (std::size_t i = begin; i < begin + fetched_grains; i += per_line)
+        {
+          __builtin_prefetch(place_ + i, 0, 2);
+          __builtin_prefetch(velocity_ + i, 0, 2);
+          if constexpr (is_rotation_free)
+            __builtin_prefetch(spin_ + i, 0, 2);
         }
     }
 

@@ -10,24 +10,30 @@ namespace dem
 {
   namespace
   {
+    /** The far pairs of a block, which come first, or its near ones. */
     template <bool is_rough, bool is_rotation_free>
-    ContactSums compute_block(const SingleTask &task, const GrainBlock &block, const SingleGrains &grains,
-                              std::vector<SinglePack> &packs, const SinglePairResults &results)
+    ContactSums compute_pairs(const SingleTask &task, const GrainBlock &block, const SingleGrains &grains,
+                              std::vector<SinglePack> &packs, const SinglePairResults &results, const bool is_far)
     {
-      std::fill(results.forces + block.grain_begin, results.forces + block.grain_end, TwinRow{});
       SinglePairLoop<is_rough, is_rotation_free> loop(task, grains, packs, results);
-      loop.run(block);
+      if (!is_far)
+        loop.run_near(block);
+      else
+        {
+          std::fill(results.forces + block.grain_begin, results.forces + block.grain_end, TwinRow{});
+          loop.run_far(block);
+        }
       return loop.finish();
     }
 
     using Compute = ContactSums (*)(const SingleTask &, const GrainBlock &, const SingleGrains &,
-                                    std::vector<SinglePack> &, const SinglePairResults &);
+                                    std::vector<SinglePack> &, const SinglePairResults &, bool);
 
     Compute choose(const bool is_rough, const bool is_rotation_free)
     {
       if (is_rough)
-        return is_rotation_free ? compute_block<true, true> : compute_block<true, false>;
-      return is_rotation_free ? compute_block<false, true> : compute_block<false, false>;
+        return is_rotation_free ? compute_pairs<true, true> : compute_pairs<true, false>;
+      return is_rotation_free ? compute_pairs<false, true> : compute_pairs<false, false>;
     }
 
     Row to_double(const SingleRow &row)
@@ -45,20 +51,36 @@ namespace dem
           compute_(choose(task.law.roughness > 0., task.motion.is_rotation_free))
     {}
 
-    void compute(const std::size_t k, const std::size_t thread, const bool is_complete) const
+    void compute_far(const std::size_t k) const { compute_far(k, dynamics_.force_.data()); }
+
+    /** The pairs of block k, and all of it once all that reach into it have been computed. */
+    void compute(const std::size_t k, const std::size_t thread, const bool has_far, const bool is_complete) const
     {
-      TwinRow *const rows = is_complete && hook_ ? get_passing_rows(k, thread) : dynamics_.force_.data();
-      const SinglePairResults results{rows, dynamics_.far_force_.data(), network_.status.data(),
-                                      forces_.normal_force.data(), forces_.overlap.data()};
-      forces_.block_sums[k] = compute_(task_, network_.blocks[k], dynamics_.grains_, dynamics_.packs_, results);
+      const bool is_passing = is_complete && !has_far && hook_;
+      TwinRow *const rows = is_passing ? get_passing_rows(k, thread) : dynamics_.force_.data();
+      if (!has_far)
+        compute_far(k, rows);
+      add_to(forces_.block_sums[k], compute_pairs(k, rows, false));
       if (is_complete)
         finish(k, rows);
     }
 
-    /** A block that other threads' pairs reach into. @pre all pairs have been computed */
+    /** @pre all pairs that reach into block k have been computed */
     void complete(const std::size_t k) const { finish(k, dynamics_.force_.data()); }
 
   private:
+    ContactSums compute_pairs(const std::size_t k, TwinRow *const rows, const bool is_far) const
+    {
+      const SinglePairResults results{rows, dynamics_.far_force_.data(), network_.status.data(),
+                                      forces_.normal_force.data(), forces_.overlap.data()};
+      return compute_(task_, network_.blocks[k], dynamics_.grains_, dynamics_.packs_, results, is_far);
+    }
+
+    void compute_far(const std::size_t k, TwinRow *const rows) const
+    {
+      forces_.block_sums[k] = compute_pairs(k, rows, true);
+    }
+
     TwinRow *get_passing_rows(const std::size_t k, const std::size_t thread) const
     {
       return shift_rows(dynamics_.passing_force_.data() + thread * count_largest_block(network_),
@@ -105,10 +127,10 @@ namespace dem
     const Compute compute_;
   };
 
-  void SingleDynamics::load(const RevState &state, const ContactNetwork &network)
+  void SingleDynamics::load(const RevState &state, const ContactNetwork &network, Team &team)
   {
     grains_.load(state.grains);
-    build_packs(network, state, packs_);
+    build_packs(network, state, team, packs_);
     force_.resize(state.grains.size());
     far_force_.resize(network.n_far);
   }
@@ -124,10 +146,12 @@ namespace dem
         forces.overlap.resize(network.size());
       }
     const Run run(*this, task, network, forces, is_complete);
-    share_blocks(
-        network, team,
-        {[&run](const std::size_t k, const std::size_t thread, const bool is_all) { run.compute(k, thread, is_all); },
-         [&run](const std::size_t k) { run.complete(k); }});
+    share_blocks(network, team,
+                 {[&run](const std::size_t k) { run.compute_far(k); },
+                  [&run](const std::size_t k, const std::size_t thread, const bool has_far, const bool is_all) {
+                    run.compute(k, thread, has_far, is_all);
+                  },
+                  [&run](const std::size_t k) { run.complete(k); }});
     if (task.motion.has_contact_stress)
       update_largest_stress(network, task.state.grains, forces);
     return add_up(forces.block_sums);

@@ -12,7 +12,7 @@ namespace dem
   {
   public:
     /** Takes grains and pairs of a network just built. @pre places are whole counts (round_places) */
-    void load(const RevState &state, const ContactNetwork &network);
+    void load(const RevState &state, const ContactNetwork &network, Team &team);
 
     /** Called with the number of a block and the forces on its grains once they are complete. */
     using Hook = std::function<void(std::size_t, const TwinRow *)>;

@@ -36,14 +36,18 @@ namespace dem
     SinglePairLoop(const SingleTask &task, const SingleGrains &grains, std::vector<SinglePack> &packs,
                    const SinglePairResults &results)
         : task_(task), counts_(grains.counts.data()), motion_(grains.motion.data()), packs_(packs.data()),
-          results_(results)
+          n_packs_(packs.size()), is_beyond_cache_(grains.counts.size() > cached_grains), results_(results)
     {}
 
-    void run(const GrainBlock &block)
+    /** Near pairs: both grains get their force at once. */
+    void run_near(const GrainBlock &block)
     {
-      run<false>(block.near_begin, block.far_begin, 0);
-      run<true>(block.far_begin, block.far_end, block.first_far);
+      next_ = block.grain_end;
+      run<false>(block.near_begin, block.near_end, 0);
     }
+
+    /** Far pairs: what the second grain gets waits in `far_forces`. */
+    void run_far(const GrainBlock &block) { run<true>(block.far_begin, block.near_begin, block.first_far); }
 
     ContactSums finish() const
     {
@@ -91,6 +95,8 @@ namespace dem
     [[gnu::always_inline]] void compute(const std::size_t k, const std::size_t far)
     {
       SinglePack *const packs = packs_ + k / n_singles;
+      if (is_beyond_cache_)
+        fetch<is_far, n_parts<L>>(k / n_singles, far);
       Touch<L> touch;
       measure(packs, touch);
       if (!is_any(touch.is_touching))
@@ -103,6 +109,32 @@ namespace dem
         add_to_sums(touch, force);
       for_each_part<L>(
           [&](const int part) { give<is_far>(packs[part], far + part * n_singles, part, touch, force, shear); });
+    }
+
+    /** Calls into the cache what later pairs need, as PairLoop does. */
+    template <bool is_far, int n>
+    [[gnu::always_inline]] void fetch(const std::size_t first, const std::size_t far)
+    {
+      for (std::size_t p = first + fetch_ahead; p < std::min(first + fetch_ahead + n, n_packs_); ++p)
+        {
+          __builtin_prefetch(packs_[p].row_b + fetch_ahead * (sizeof(SinglePack) / sizeof(SingleOffset)));
+          for (int j = 0; j < n_singles; ++j)
+            {
+              __builtin_prefetch(&get_row(counts_, packs_[p].row_b[j]));
+              __builtin_prefetch(&get_row(motion_, packs_[p].row_b[j]));
+            }
+        }
+      if constexpr (is_far)
+        for (std::size_t row = 0; row < n * n_singles; row += line / sizeof(TwinRow))
+          __builtin_prefetch(results_.far_forces + far + fetch_ahead * n_singles + row, 1);
+      else // the grains of the next block, while this one is computed
+        {
+          for (std::size_t i = next_; i < next_ + n * fetched_grains; i += line / sizeof(TwinRow))
+            __builtin_prefetch(motion_ + i, 0, 2);
+          for (std::size_t i = next_; i < next_ + n * fetched_grains; i += line / sizeof(CountRow))
+            __builtin_prefetch(counts_ + i, 0, 2);
+          next_ += n * fetched_grains;
+        }
     }
 
     /** Some pairs none of which touches. */
@@ -339,12 +371,18 @@ namespace dem
       for_each_part<L>([&](const int part) { sum += get_part(value, part); });
     }
 
+    static constexpr std::size_t line = 64;             ///< of the cache [bytes]
+    static constexpr std::size_t fetch_ahead = 4;       ///< packs; their lists are called twice as far ahead
+    static constexpr std::size_t fetched_grains = 6;    ///< with each pack: those of a block with its near pairs
     static constexpr std::size_t width = 2 * n_singles; // lanes taken at a time while there are as many
 
     const SingleTask task_;
     const CountRow *const counts_;
     const TwinRow *const motion_;
     SinglePack *const packs_;
+    const std::size_t n_packs_;
+    const bool is_beyond_cache_;
+    std::size_t next_ = 0; // grain to be called into the cache
     const SinglePairResults results_;
 
     // Sums over contacts, one a lane until the end of a block.

@@ -29,23 +29,25 @@ namespace dem
     }
   } // namespace
 
-  void build_packs(const ContactNetwork &network, const RevState &state, std::vector<SinglePack> &packs)
+  void build_packs(const ContactNetwork &network, const RevState &state, Team &team, std::vector<SinglePack> &packs)
   {
     packs.resize(network.size() / n_singles);
-    for (std::size_t k = 0; k < network.size(); ++k)
-      {
-        SinglePack &pack = packs[k / n_singles];
-        const std::size_t lane = k % n_singles;
-        pack.row_a[lane] = network.a[k] * static_cast<SingleOffset>(sizeof(CountRow));
-        pack.row_b[lane] = network.b[k] * static_cast<SingleOffset>(sizeof(CountRow));
-        pack.shear_x[lane] = static_cast<float>(network.shear_x[k]);
-        pack.shear_y[lane] = static_cast<float>(network.shear_y[k]);
-        pack.shear_z[lane] = static_cast<float>(network.shear_z[k]);
-        if (network.is_pair(k))
-          describe_pair(network, state, k, pack);
-        else
-          fill_lane(pack, static_cast<int>(lane));
-      }
+    team.run(packs.size(), [&](const std::size_t p) {
+      SinglePack &pack = packs[p];
+      for (std::size_t lane = 0; lane < n_singles; ++lane)
+        {
+          const std::size_t k = p * n_singles + lane;
+          pack.row_a[lane] = network.a[k] * static_cast<SingleOffset>(sizeof(CountRow));
+          pack.row_b[lane] = network.b[k] * static_cast<SingleOffset>(sizeof(CountRow));
+          pack.shear_x[lane] = static_cast<float>(network.shear_x[k]);
+          pack.shear_y[lane] = static_cast<float>(network.shear_y[k]);
+          pack.shear_z[lane] = static_cast<float>(network.shear_z[k]);
+          if (network.is_pair(k))
+            describe_pair(network, state, k, pack);
+          else
+            fill_lane(pack, static_cast<int>(lane));
+        }
+    });
   }
 
   void write_shear(const std::vector<SinglePack> &packs, ContactNetwork &network)

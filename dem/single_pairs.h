@@ -20,7 +20,7 @@ namespace dem
   };
 
   /** One pack for each n_singles pairs of a network just built. @pre state is the one that it was built from */
-  void build_packs(const ContactNetwork &network, const RevState &state, std::vector<SinglePack> &packs);
+  void build_packs(const ContactNetwork &network, const RevState &state, Team &team, std::vector<SinglePack> &packs);
 
   /** Tells the network the shear forces of its pairs. */
   void write_shear(const std::vector<SinglePack> &packs, ContactNetwork &network);

@@ -1,28 +1,7 @@
 #include "dem/team.h"
 
-#include <algorithm>
-
 namespace dem
 {
-  namespace
-  {
-    /** Waits until `is_done` says so. */
-    template <typename Condition>
-    void wait(const Condition &is_done)
-    {
-      constexpr int spins = 4000; // some microseconds: longer than a servo's decision, shorter than a slice of time
-      for (int spin = 0; !is_done(); ++spin)
-        if (spin < spins)
-          {
-#ifdef __x86_64__
-            __builtin_ia32_pause();
-#endif
-          }
-        else
-          std::this_thread::yield();
-    }
-  } // namespace
-
   Team::Team(const std::size_t n_threads)
   {
     for (std::size_t number = 1; number < n_threads; ++number)
@@ -46,7 +25,7 @@ namespace dem
     n_busy_.store(helpers_.size(), std::memory_order_relaxed);
     n_started_.fetch_add(1, std::memory_order_release);
     do_share(0);
-    wait([this] { return n_busy_.load(std::memory_order_acquire) == 0; });
+    wait_until([this] { return n_busy_.load(std::memory_order_acquire) == 0; });
   }
 
   void Team::do_share(const std::size_t number) const
@@ -60,7 +39,7 @@ namespace dem
   {
     for (std::size_t n_seen = 0;; ++n_seen)
       {
-        wait([&] { return n_started_.load(std::memory_order_acquire) != n_seen; });
+        wait_until([&] { return n_started_.load(std::memory_order_acquire) != n_seen; });
         if (is_over_)
           return;
         do_share(number);

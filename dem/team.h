@@ -8,6 +8,22 @@
 
 namespace dem
 {
+  /** Waits until `is_done` says so: spins for a while, then gives way. */
+  template <typename Condition>
+  void wait_until(const Condition &is_done)
+  {
+    constexpr int spins = 4000; // some microseconds: longer than a servo's decision, shorter than a slice of time
+    for (int spin = 0; !is_done(); ++spin)
+      if (spin < spins)
+        {
+#ifdef __x86_64__
+          __builtin_ia32_pause();
+#endif
+        }
+      else
+        std::this_thread::yield();
+  }
+
   /**
    * A few threads that share short pieces of work, thousands of times a second. Each takes one contiguous share of the
    * tasks, always the same one, so that what it touches stays in its cache. The caller is one of them.

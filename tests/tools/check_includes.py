@@ -35,7 +35,7 @@ ROOMS = {  # room -> the rooms whose files it may include, the libraries it may 
 HDF5 = ("hdf5.h", "hdf5_hl.h", "unistd.h", "fcntl.h", "sys/stat.h")
 LANES = ("immintrin.h",)  # the compiler's own vector instructions
 EXCEPTIONS = {"dem/hdf5_file.cc": HDF5, "fem/hdf5_file.cc": HDF5, "dem/lanes.h": LANES,
-              "dem/single_lanes.h": LANES, "dem/contact_search.cc": LANES}
+              "dem/single_lanes.h": LANES, "dem/pair_seeker.cc": LANES}
 TEST_LIBRARIES = ("gtest/", "benchmark/", "hdf5.h")
 
 

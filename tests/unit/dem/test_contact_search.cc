@@ -90,6 +90,29 @@ namespace
     EXPECT_EQ(list_near_pairs(grains.cell, grains.place, 0.), (std::vector<NearPair>{{0, 1}}));
   }
 
+  TEST(ContactSearch, SharesBoxesAndGrainsWithoutChangingAPair)
+  {
+    // Law: the list does not depend on the size of the team, nor on what teams of other sizes have left; one that is
+    // larger than the number of grains has nothing to do for some. Exact.
+    ContactSearch search;
+    for (const std::size_t n : {2, 700})
+      for (const double size_ratio : {1., 20.})
+        {
+          const Scatter grains(n, size_ratio, 6.2, 0.3, 3);
+          const auto expected = list_by_force(grains.cell, grains.place, 0.);
+          for (const std::size_t n_threads : {1, 4, 2, 3})
+            {
+              Team team(n_threads);
+              EXPECT_EQ(search.list_near_pairs(grains.cell, grains.place, 0., team), expected) << n_threads;
+              const auto &first = search.get_first_pairs();
+              for (std::uint32_t a = 0; a < n; ++a)
+                for (std::uint32_t i = first[a]; i < first[a + 1]; ++i)
+                  ASSERT_EQ(expected[i].a, a);
+              EXPECT_EQ(first[n], expected.size());
+            }
+        }
+  }
+
   TEST(ContactSearch, DrawsTheLineInDoublePrecision)
   {
     // Law: a pair counts when strictly closer than radii and skin; 1e-14 of the cell on either side decide, far below

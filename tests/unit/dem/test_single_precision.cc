@@ -68,11 +68,11 @@ namespace
     const RevState state = make_pairs(overlaps, random);
     ContactNetwork network = build_contact_network(state, 0.1 * radius);
     SingleDynamics single;
-    single.load(state, network);
+    Team alone(1);
+    single.load(state, network, alone);
     Motion motion;
     motion.is_rotation_free = is_rotation_free;
     Forces forces;
-    Team alone(1);
     const ContactSums sums = single.compute_forces({state, law, motion}, network, forces, alone);
     single.write_forces(forces);
     ASSERT_EQ(sums.n_touching, overlaps.size());
@@ -139,11 +139,12 @@ namespace
     RevState state = make_pairs(std::vector<double>(200, 5e-3 * radius), random);
     ContactNetwork network = build_contact_network(state, 0.2 * radius);
     SingleDynamics single;
-    single.load(state, network);
+    Team alone(1);
+    single.load(state, network, alone);
     std::uniform_real_distribution<double> speed(-1., 1.);
     for (Row &velocity : state.grains.velocity)
       velocity = {speed(random), speed(random), speed(random), velocity.w};
-    single.load(state, network);
+    single.load(state, network, alone);
     const Kinetics kinetics{.time_step = 1e-3 * radius};
     MotionRule rule;
     rule.has_true_masses = true;
@@ -154,7 +155,6 @@ namespace
     single.write_grains(network, state.grains);
 
     Forces forces, expected;
-    Team alone(1);
     const ForceTask task{state, law, Motion{}};
     single.compute_forces(task, network, forces, alone);
     single.write_forces(forces);
@@ -262,7 +262,8 @@ namespace
     EXPECT_TRUE(are_equal_bits(state, rounded));
     ContactNetwork network = build_contact_network(state, 0.1 * radius);
     SingleDynamics single;
-    single.load(state, network);
+    Team alone(1);
+    single.load(state, network, alone);
     single.write_grains(network, state.grains);
     EXPECT_TRUE(are_equal_bits(state, rounded));
   }

@@ -1,0 +1,259 @@
+#include "dem/network_builder.h"
+
+#include "dem/contact_creep.h"
+#include "dem/memory.h"
+#include "dem/wall_contacts.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace dem
+{
+  namespace
+  {
+    /** Blocks of nearly equal size, an even number of them once there are two. */
+    void make_blocks(ContactNetwork &network, const std::size_t n_grains)
+    {
+      // Beyond the cache fewer far pairs, whose forces pass through memory, outweigh blocks that lie near at hand.
+      const std::size_t size = n_grains > cached_grains ? 4 * grains_per_block : grains_per_block;
+      const std::size_t n_full = (n_grains + size - 1) / size;
+      const std::size_t n_blocks = n_full <= 2 ? 1 : n_full + n_full % 2;
+      network.blocks.resize(n_blocks);
+      for (std::size_t k = 0; k < n_blocks; ++k)
+        {
+          network.blocks[k].grain_begin = n_grains * k / n_blocks;
+          network.blocks[k].grain_end = n_grains * (k + 1) / n_blocks;
+        }
+    }
+
+    void set_places(ContactNetwork &network, const std::size_t k, const std::uint32_t a, const std::uint32_t b)
+    {
+      network.a[k] = a;
+      network.b[k] = b;
+      network.row_a[k] = static_cast<RowOffset>(a * sizeof(Row));
+      network.row_b[k] = static_cast<RowOffset>(b * sizeof(Row));
+      network.set_shear(k, Vector::Zero(), PairStatus::is_apart);
+    }
+
+    void set_pair(ContactNetwork &network, const std::size_t k, const NearPair &pair, const Row &place_a,
+                  const Row &place_b)
+    {
+      set_places(network, k, pair.a, pair.b);
+      network.radius_sum[k] = place_a.w + place_b.w;
+      network.root_radius[k] = std::sqrt(compute_effective_radius(place_a.w, place_b.w));
+    }
+
+    /** Fills the last vector of a list. */
+    void fill_up(ContactNetwork &network, const std::size_t begin, const std::size_t end, const std::size_t grain)
+    {
+      for (std::size_t k = begin; k < end; ++k)
+        {
+          set_places(network, k, static_cast<std::uint32_t>(grain), static_cast<std::uint32_t>(grain));
+          network.radius_sum[k] = network.root_radius[k] = 0.;
+        }
+    }
+
+    std::size_t round_up(const std::size_t n)
+    {
+      return (n + n_lanes - 1) / n_lanes * n_lanes;
+    }
+
+    void resize(ContactNetwork &network, const std::size_t n)
+    {
+      for (auto *numbers : {&network.a, &network.b})
+        numbers->resize(n);
+      for (auto *rows : {&network.row_a, &network.row_b})
+        rows->resize(n);
+      for (auto *values :
+           {&network.radius_sum, &network.root_radius, &network.shear_x, &network.shear_y, &network.shear_z})
+        values->resize(n);
+      network.status.resize(n);
+    }
+
+    /** Where contacts have crept, grains touch later: their springs and lever arms see radii that are less by that. */
+    void take_creep_off(ContactNetwork &network, const RevState &state)
+    {
+      if (state.crept_contacts.empty())
+        return;
+      for (std::size_t k = 0; k < network.size(); ++k)
+        if (network.is_pair(k))
+          network.radius_sum[k] -= find_crept_overlap(state, network.a[k], network.b[k]);
+    }
+  } // namespace
+
+  std::size_t NetworkBuilder::count_bytes() const
+  {
+    return search_.count_bytes() + dem::count_bytes(sorts_, place_of_pair_, layouts_, incoming_);
+  }
+
+  void NetworkBuilder::build(const RevState &state, const double skin, Team &team, ContactNetwork &network)
+  {
+    network.skin = skin;
+    network.reach = compute_reach(state.grains, skin);
+    network.place_when_built = state.grains.place;
+    network.edges_when_built = state.cell.edges;
+    make_blocks(network, state.grains.size());
+    pairs_ = &search_.list_near_pairs(state.cell, state.grains.place, skin, team);
+    sorts_.resize(pairs_->size());
+    place_of_pair_.resize(pairs_->size());
+    const std::size_t n_blocks = network.blocks.size();
+    layouts_.resize(n_blocks);
+    team.run(n_blocks, [&](const std::size_t k) { sort_block(state, network.blocks[k], layouts_[k]); });
+    lay_out_blocks(network);
+    team.run(n_blocks, [&](const std::size_t k) { fill_block(state, k, network); });
+    list_incoming(state, team, network);
+    find_neighbours(network);
+    restore_memories(state, team, network);
+    take_creep_off(network, state);
+    network.wall_pairs = list_wall_pairs(state, skin);
+  }
+
+  /** Far or near and which touch: vectors of pairs that are apart are done with once that is seen. */
+  void NetworkBuilder::sort_block(const RevState &state, const GrainBlock &block, Layout &layout)
+  {
+    const std::vector<std::uint32_t> &first = search_.get_first_pairs();
+    layout.n.fill(0);
+    for (std::size_t i = first[block.grain_begin]; i < first[block.grain_end]; ++i)
+      {
+        const NearPair &pair = (*pairs_)[i];
+        const Row &a = state.grains.place[pair.a], &b = state.grains.place[pair.b];
+        const double sum = a.w + b.w;
+        const bool is_far = pair.b >= block.grain_end;
+        const bool is_touching = compute_branch(state.cell, a, b).squaredNorm() < sum * sum;
+        sorts_[i] = static_cast<Sort>((is_far ? far_touching : near_touching) + (is_touching ? 0 : 1));
+        ++layout.n[sorts_[i]];
+      }
+  }
+
+  void NetworkBuilder::lay_out_blocks(ContactNetwork &network) const
+  {
+    std::size_t n = 0;
+    network.n_far = 0;
+    for (std::size_t k = 0; k < network.blocks.size(); ++k)
+      {
+        GrainBlock &block = network.blocks[k];
+        const auto &of = layouts_[k].n;
+        block.first_far = network.n_far;
+        block.far_begin = n;
+        block.near_begin = n += round_up(of[far_touching] + of[far_apart]);
+        block.near_end = n += round_up(of[near_touching] + of[near_apart]);
+        network.n_far += block.near_begin - block.far_begin;
+      }
+    resize(network, n);
+  }
+
+  void NetworkBuilder::fill_block(const RevState &state, const std::size_t k, ContactNetwork &network)
+  {
+    const GrainBlock &block = network.blocks[k];
+    const std::vector<std::uint32_t> &first = search_.get_first_pairs();
+    const auto &of = layouts_[k].n;
+    std::array<std::size_t, n_sorts> next = {block.far_begin, block.far_begin + of[far_touching], block.near_begin,
+                                             block.near_begin + of[near_touching]};
+    const auto place = [&](const std::size_t i) {
+      const NearPair &pair = (*pairs_)[i];
+      const std::size_t to = next[sorts_[i]]++;
+      place_of_pair_[i] = static_cast<std::uint32_t>(to);
+      set_pair(network, to, pair, state.grains.place[pair.a], state.grains.place[pair.b]);
+    };
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> far; // second grain, pair
+    far.reserve(of[far_touching] + of[far_apart]);
+    for (std::size_t i = first[block.grain_begin]; i < first[block.grain_end]; ++i)
+      if (sorts_[i] == far_touching || sorts_[i] == far_apart)
+        far.emplace_back((*pairs_)[i].b, static_cast<std::uint32_t>(i));
+      else
+        place(i);
+    // First grains lie in the cache with their block; second ones come from afar, and come faster in their own order.
+    std::sort(far.begin(), far.end());
+    for (const auto &[b, i] : far)
+      place(i);
+    fill_up(network, next[far_apart], block.near_begin, block.grain_begin);
+    fill_up(network, next[near_apart], block.near_end, block.grain_begin);
+  }
+
+  /** Far pairs sorted by their second grain, those of one grain in their own order. */
+  void NetworkBuilder::list_incoming(const RevState &state, Team &team, ContactNetwork &network)
+  {
+    const std::size_t n_grains = state.grains.size(), n_threads = team.size();
+    incoming_.resize(n_grains + 1);
+    const auto get_bound = [=](const std::size_t number) { return n_grains * number / n_threads; };
+    team.run(n_threads, [&](const std::size_t t) { count_incoming(network, get_bound(t), get_bound(t + 1)); });
+    std::uint32_t n = 0;
+    for (std::size_t i = 0; i < n_grains; ++i)
+      {
+        const std::uint32_t here = incoming_[i];
+        incoming_[i] = n;
+        n += here;
+      }
+    incoming_[n_grains] = n;
+    for (GrainBlock &block : network.blocks)
+      {
+        block.incoming_begin = incoming_[block.grain_begin];
+        block.incoming_end = incoming_[block.grain_end];
+      }
+    network.incoming_far.resize(n);
+    network.incoming_grain.resize(n);
+    team.run(n_threads, [&](const std::size_t t) { fill_incoming(get_bound(t), get_bound(t + 1), network); });
+  }
+
+  /** Counts far pairs whose second grain is one from `begin` to `end`. */
+  void NetworkBuilder::count_incoming(const ContactNetwork &network, const std::size_t begin, const std::size_t end)
+  {
+    std::fill(incoming_.begin() + static_cast<std::ptrdiff_t>(begin),
+              incoming_.begin() + static_cast<std::ptrdiff_t>(end), 0u);
+    for (const GrainBlock &block : network.blocks)
+      for (std::size_t k = block.far_begin; k < block.near_begin; ++k)
+        if (network.b[k] >= begin && network.b[k] < end && network.is_pair(k))
+          ++incoming_[network.b[k]];
+  }
+
+  void NetworkBuilder::fill_incoming(const std::size_t begin, const std::size_t end, ContactNetwork &network)
+  {
+    for (const GrainBlock &block : network.blocks) // in rising order: what a grain gets is added in that order
+      for (std::size_t k = block.far_begin; k < block.near_begin; ++k)
+        if (network.b[k] >= begin && network.b[k] < end && network.is_pair(k))
+          {
+            const std::uint32_t place = incoming_[network.b[k]]++;
+            network.incoming_far[place] = static_cast<std::uint32_t>(block.first_far + (k - block.far_begin));
+            network.incoming_grain[place] = network.b[k];
+          }
+  }
+
+  /** Which blocks reach into which. @pre list_incoming */
+  void NetworkBuilder::find_neighbours(ContactNetwork &network) const
+  {
+    std::vector<GrainBlock> &blocks = network.blocks;
+    const auto is_after = [](const std::size_t far, const GrainBlock &block) { return far < block.first_far; };
+    for (std::size_t k = 0; k < blocks.size(); ++k)
+      blocks[k].first_source = blocks[k].last_target = k;
+    for (std::size_t k = 0; k < blocks.size(); ++k)
+      for (std::size_t i = blocks[k].incoming_begin; i < blocks[k].incoming_end; ++i)
+        {
+          const auto after = std::upper_bound(blocks.begin(), blocks.end(), network.incoming_far[i], is_after);
+          const std::size_t source = static_cast<std::size_t>(after - blocks.begin()) - 1;
+          blocks[k].first_source = std::min(blocks[k].first_source, source);
+          blocks[source].last_target = std::max(blocks[source].last_target, k);
+        }
+  }
+
+  void NetworkBuilder::restore_memories(const RevState &state, Team &team, ContactNetwork &network) const
+  {
+    const std::size_t n = state.contacts.size();
+    team.run(team.size(), [&](const std::size_t t) {
+      for (std::size_t i = n * t / team.size(); i < n * (t + 1) / team.size(); ++i)
+        restore_memory(state.contacts[i], network);
+    });
+  }
+
+  /** Hands the shear force of a touching pair over to the new network. */
+  void NetworkBuilder::restore_memory(const ContactMemory &memory, ContactNetwork &network) const
+  {
+    if (is_wall(memory.b))
+      return;
+    const std::vector<std::uint32_t> &first = search_.get_first_pairs();
+    const auto [a, b] = std::minmax(memory.a, memory.b);
+    for (std::uint32_t i = first[a]; i < first[a + 1]; ++i)
+      if ((*pairs_)[i].b == b)
+        network.set_shear(place_of_pair_[i], memory.a < memory.b ? memory.shear_force : Vector(-memory.shear_force),
+                          memory.is_sliding ? PairStatus::slides : PairStatus::sticks);
+  }
+} // namespace dem

@@ -1,0 +1,124 @@
+#include "dem/network_builder.h"
+
+#include "tests/support/memory_cases.h"
+#include "tests/support/rev_cases.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <random>
+
+namespace
+{
+  using namespace dem;
+  using namespace dem::cases;
+
+  constexpr double skin = 0.2 * radius;
+
+  /** Grains of some blocks thrown into a cell, with shear forces at those that touch. */
+  RevState scatter(const std::size_t n, const double edge, const std::uint64_t seed)
+  {
+    std::mt19937_64 random(seed);
+    std::uniform_real_distribution<double> place(-1., 2.), size(0.5, 1.), force(-1., 1.);
+    RevState state = make_state(std::vector<Vector>(n, Vector::Zero()), 1.);
+    for (Row &row : state.grains.place)
+      row = {place(random), place(random), place(random), size(random) * radius};
+    state.cell.edges = edge * radius * Matrix::Identity();
+    for (const NearPair &pair : list_near_pairs(state.cell, state.grains.place, 0.))
+      state.contacts.push_back(
+          {pair.a, pair.b, Vector(force(random), force(random), force(random)), force(random) > 0.});
+    return state;
+  }
+
+  ContactNetwork build(const RevState &state, const std::size_t n_threads)
+  {
+    Team team(n_threads);
+    ContactNetwork network;
+    NetworkBuilder().build(state, skin, team, network);
+    return network;
+  }
+
+  TEST(NetworkBuilder, BuildsTheSameWhateverTheTeam)
+  {
+    // Law: a network depends on state and skin alone: not on how many threads build it, nor on what builder and network
+    // held before, which was more or less. Exact.
+    const RevState state = scatter(3000, 30., 1), smaller = scatter(1800, 25., 2), larger = scatter(4000, 30., 3);
+    const ContactNetwork expected = build(state, 1);
+    ASSERT_GT(expected.blocks.size(), 3u);
+    ASSERT_GT(expected.n_far, 100u);
+    NetworkBuilder builder;
+    ContactNetwork network;
+    for (const std::size_t n_threads : {2, 3, 1})
+      for (const RevState *before : {&smaller, &larger})
+        {
+          Team team(n_threads);
+          builder.build(*before, skin, team, network);
+          builder.build(state, skin, team, network);
+          EXPECT_EQ(network.a, expected.a);
+          EXPECT_EQ(network.b, expected.b);
+          EXPECT_EQ(network.row_b, expected.row_b);
+          EXPECT_EQ(network.radius_sum, expected.radius_sum);
+          EXPECT_EQ(network.root_radius, expected.root_radius);
+          EXPECT_EQ(network.shear_y, expected.shear_y);
+          EXPECT_EQ(network.status, expected.status);
+          EXPECT_EQ(network.incoming_far, expected.incoming_far);
+          EXPECT_EQ(network.incoming_grain, expected.incoming_grain);
+          EXPECT_EQ(network.n_far, expected.n_far);
+          std::vector<ContactMemory> memories;
+          collect_memories(network, team, memories);
+          expect_same_memories(memories, collect_memories(expected));
+        }
+  }
+
+  TEST(NetworkBuilder, BlocksKnowWhoReachesIntoThem)
+  {
+    // Law: far pairs are those whose second grain is in a later block, in the order of that grain, touching ones first;
+    // each is incoming once, at its second grain, in rising order; first source and last target are their bounds.
+    // Exact.
+    const RevState state = scatter(3000, 30., 1);
+    const ContactNetwork network = build(state, 2);
+    const auto find_block = [&](const std::uint32_t grain) {
+      std::size_t k = 0;
+      while (network.blocks[k].grain_end <= grain)
+        ++k;
+      return k;
+    };
+    std::vector<std::size_t> first_source(network.blocks.size()), last_target(network.blocks.size());
+    std::map<std::uint32_t, std::uint32_t> second_grain; // of each far pair
+    for (std::size_t k = 0; k < network.blocks.size(); ++k)
+      first_source[k] = last_target[k] = k;
+    for (std::size_t k = 0; k < network.blocks.size(); ++k)
+      {
+        const GrainBlock &block = network.blocks[k];
+        std::size_t n_falls = 0;
+        for (std::size_t i = block.far_begin; i < block.near_begin && network.is_pair(i); ++i)
+          {
+            const std::size_t target = find_block(network.b[i]);
+            EXPECT_GT(target, k);
+            n_falls += i > block.far_begin && network.b[i] < network.b[i - 1];
+            first_source[target] = std::min(first_source[target], k);
+            last_target[k] = std::max(last_target[k], target);
+            second_grain[static_cast<std::uint32_t>(block.first_far + i - block.far_begin)] = network.b[i];
+          }
+        EXPECT_LE(n_falls, 1u);
+        for (std::size_t i = block.near_begin; i < block.near_end; ++i)
+          EXPECT_EQ(find_block(network.b[i]), k);
+      }
+    ASSERT_EQ(network.incoming_far.size(), second_grain.size());
+    for (std::size_t i = 0; i < network.incoming_far.size(); ++i)
+      {
+        EXPECT_EQ(second_grain.at(network.incoming_far[i]), network.incoming_grain[i]);
+        if (i > 0)
+          {
+            EXPECT_LT(std::make_pair(network.incoming_grain[i - 1], network.incoming_far[i - 1]),
+                      std::make_pair(network.incoming_grain[i], network.incoming_far[i]));
+          }
+      }
+    for (std::size_t k = 0; k < network.blocks.size(); ++k)
+      {
+        EXPECT_EQ(network.blocks[k].first_source, first_source[k]);
+        EXPECT_EQ(network.blocks[k].last_target, last_target[k]);
+      }
+  }
+} // namespace
