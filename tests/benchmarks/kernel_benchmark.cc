@@ -1,5 +1,6 @@
-// Times the parts of a cycle one by one: forces, network, motion. Usage: kernel_benchmark [Google Benchmark's options];
-// SLOWSAND_PACKING=FILE names the packing, without it 2000 grains are made.
+// Times the parts of a cycle one by one: forces, network, motion; and copies of a state beside plain memcpy. Usage:
+// kernel_benchmark [Google Benchmark's options]; SLOWSAND_PACKING=FILE names the packing, without it 2000 grains are
+// made.
 
 #include "tests/benchmarks/engine_protocol.h"
 
@@ -9,7 +10,9 @@
 
 #include <benchmark/benchmark.h>
 
+#include <algorithm>
 #include <cstdlib>
+#include <cstring>
 
 namespace
 {
@@ -71,6 +74,58 @@ namespace
     report_grains(bench, state);
   }
 
+  /** The first n grains of the packing, and their contacts. */
+  dem::RevState take_grains(const std::size_t n)
+  {
+    dem::RevState state = get_packing();
+    const dem::ContactLaw law = dem::make_contact_law(benchmarks::make_material(false));
+    dem::Dynamics dynamics(state, law, benchmarks::make_rule(state, law, Protocol{}));
+    dynamics.compute_forces();
+    dynamics.store();
+    const auto is_out = [n](const dem::ContactMemory &memory) { return memory.a >= n || memory.b >= n; };
+    const auto end = std::remove_if(state.contacts.begin(), state.contacts.end(), is_out);
+    state.contacts.resize(static_cast<std::size_t>(end - state.contacts.begin()));
+    state.grains.resize(std::min(n, state.grains.size()));
+    return state;
+  }
+
+  void report_bytes(benchmark::State &bench, const dem::RevState &state, const std::size_t n_copies)
+  {
+    const std::size_t n_bytes = dem::serialise(state).size();
+    bench.SetItemsProcessed(bench.iterations() * static_cast<std::int64_t>(state.grains.size()));
+    bench.SetBytesProcessed(bench.iterations() * static_cast<std::int64_t>(n_copies * n_bytes));
+  }
+
+  /** Snapshot and restore: there and back, into room that is there already. Argument: grains. */
+  void time_copies(benchmark::State &bench)
+  {
+    dem::RevState state = take_grains(static_cast<std::size_t>(bench.range(0)));
+    dem::RevState kept = state;
+    for (auto _ : bench)
+      {
+        kept = state;
+        benchmark::ClobberMemory();
+        state = kept;
+        benchmark::ClobberMemory();
+      }
+    report_bytes(bench, state, 2);
+  }
+
+  /** The same number of bytes, as one piece of memory each. */
+  void time_memcpy(benchmark::State &bench)
+  {
+    const dem::RevState state = take_grains(static_cast<std::size_t>(bench.range(0)));
+    std::vector<std::byte> bytes = dem::serialise(state), kept = bytes;
+    for (auto _ : bench)
+      {
+        std::memcpy(kept.data(), bytes.data(), bytes.size());
+        benchmark::ClobberMemory();
+        std::memcpy(bytes.data(), kept.data(), bytes.size());
+        benchmark::ClobberMemory();
+      }
+    report_bytes(bench, state, 2);
+  }
+
   /** Arguments: rough, rotation free. */
   void time_cycle(benchmark::State &bench)
   {
@@ -94,4 +149,6 @@ namespace
 BENCHMARK(time_forces)->ArgNames({"rough", "free"})->ArgsProduct({{0, 1}, {0, 1}})->Unit(benchmark::kMicrosecond);
 BENCHMARK(time_network)->Unit(benchmark::kMicrosecond);
 BENCHMARK(time_cycle)->ArgNames({"rough", "free"})->ArgsProduct({{0, 1}, {0, 1}})->Unit(benchmark::kMicrosecond);
+BENCHMARK(time_copies)->ArgName("grains")->Arg(150)->Arg(1000)->Arg(11497)->Unit(benchmark::kMicrosecond);
+BENCHMARK(time_memcpy)->ArgName("grains")->Arg(150)->Arg(1000)->Arg(11497)->Unit(benchmark::kMicrosecond);
 BENCHMARK_MAIN();
