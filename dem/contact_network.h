@@ -11,7 +11,9 @@
 
 namespace dem
 {
-  inline constexpr std::size_t grains_per_block = 512; ///< at most; a REV of twice as many is still one block
+  /** At most, in a REV of up to cached_grains; four times as many in a larger one. One that makes two blocks or less is
+   * still one. */
+  inline constexpr std::size_t grains_per_block = 512;
   inline constexpr std::size_t cached_grains = 30000; ///< more, with their contacts, do not lie in the caches of a core
 
   /** What a candidate pair is at the moment. */
