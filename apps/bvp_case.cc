@@ -290,6 +290,7 @@ namespace apps
     bind_coupling(binder, bvp.rev_material);
     bind_pool(binder, bvp.pool);
     bind_rev_parameters(binder, bvp.rev);
+    bind_breakage(binder, bvp.rev_material.breakage);
     bind_reference_materials(binder, bvp);
     bind_solver(binder, bvp);
     binder.read(file);

@@ -138,18 +138,6 @@ namespace apps
       binder.leave();
     }
 
-    void bind_breakage(ParameterBinder &binder, dem::BreakageScale &scale)
-    {
-      binder.enter("Breakage measures");
-      binder.bind("Silt diameter", scale.silt_diameter, positive,
-                  "Hardin: finer mass has no potential to break. Units: [m].");
-      binder.bind("Fractal dimension", scale.fractal_dimension, {0., 3., false, true},
-                  "Einav: alpha of the ultimate grading. Units: [-].");
-      binder.bind("Smallest diameter", scale.smallest_diameter, positive,
-                  "Einav: d_m of the ultimate grading; finer mass counts as d_m. Units: [m].");
-      binder.leave();
-    }
-
     /** Which of the REV's stages contradicts itself, as a mistake in the file. */
     void check_stages(const ParameterBinder &binder, const std::vector<dem::LaboratoryStage> &stages,
                       const dem::CellKind kind)

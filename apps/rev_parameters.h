@@ -2,6 +2,7 @@
 
 #include "apps/parameter_binder.h"
 
+#include "dem/breakage_measures.h"
 #include "dem/packing.h"
 #include "dem/rev.h"
 
@@ -21,6 +22,9 @@ namespace apps
 
   /** Binds "Seed" and the sections Grains, Strength, Crack growth, Fracture, Motion, Equilibrium and Packing. */
   void bind_rev_parameters(ParameterBinder &binder, RevParameters &parameters);
+
+  /** Binds "Breakage measures". */
+  void bind_breakage(ParameterBinder &binder, dem::BreakageScale &scale);
 
   /**
    * What follows from the bound values: the grading, the seeds, and that values do not contradict one another. To be

@@ -113,6 +113,7 @@ namespace coupling
         const PointId id = pool_.get_local_points()[i];
         points_[id].rev = std::make_unique<LazyRev>(dem::make_rev(make_model(id), packings[i]), parameters_.point);
       }
+    measure_initial_gradings();
     stresses.kind = WorkKind::prepare;
     std::size_t n_ready = 0;
     pool_.ask(stresses, 0, [&](const PointId id, std::span<const double> stress, std::span<double>) {

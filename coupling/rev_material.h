@@ -3,6 +3,8 @@
 #include "coupling/initial_state.h"
 #include "coupling/lazy_rev.h"
 
+#include "dem/breakage_measures.h"
+
 #include "fem/constitutive_model.h"
 
 #include <functional>
@@ -19,6 +21,7 @@ namespace coupling
     ConsolidationRule consolidation;
     AgeingRule ageing;
     PointRule point;
+    dem::BreakageScale breakage;
     std::string failure_folder;                        ///< where failed REVs are written; empty: nowhere
     unsigned int n_failure_files = 3;                  ///< of one REV at most
     bool is_resumed = false;                           ///< the REVs will come from load(): initialise() makes none
@@ -98,6 +101,10 @@ namespace coupling
     void tell(const std::string &what) const;
     dem::RevModel make_model(PointId id) const;
     std::vector<dem::Matrix> bring_home(const RevPool::Questions &stresses);
+    void measure_initial_gradings();
+    std::vector<double> collect_fields() const;
+    void save_gradings(const std::string &file) const;
+    void load_gradings(const std::string &file);
     void save_lazy_states(const std::string &file) const;
     void load_lazy_states(const std::string &file);
     void update_fields();
@@ -109,8 +116,9 @@ namespace coupling
     RevPool pool_;
     std::map<PointId, Point> points_; ///< all, so that one REV can come while another one is worked on
     dem::Profile departed_profile_;   ///< of REVs that have left: their time was spent here
-    std::vector<double> fields_;      ///< of all points, by get_field_names(), after the last commit
+    std::vector<dem::InitialGrading> initial_gradings_; ///< of all points, known to all ranks
+    std::vector<double> fields_;                        ///< of all points, by get_field_names(), after the last commit
     std::uint64_t n_evaluations_ = 0;
-    std::mutex mutex_; // of failure files, since HDF5 is not thread-safe, and of what REVs leave behind
+    std::mutex mutex_;        // of failure files, since HDF5 is not thread-safe, and of what REVs leave behind
   };
 } // namespace coupling

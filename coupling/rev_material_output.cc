@@ -1,4 +1,4 @@
-// What leaves a RevMaterial: fields, totals, snapshots and checkpoints.
+// What leaves a RevMaterial: fields, totals and snapshots.
 
 #include "coupling/rev_material.h"
 #include "coupling/tensor_conversion.h"
@@ -8,8 +8,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstring>
-#include <stdexcept>
 
 namespace coupling
 {
@@ -27,6 +25,11 @@ namespace coupling
       broken_delayed,
       grains,
       cycles,
+      einav_breakage,
+      hardin_breakage,
+      d10,
+      d50,
+      d90,
       error_bound,
       cost,
       n_fields
@@ -56,31 +59,18 @@ namespace coupling
       lazy.write_tally(row.subspan(n_fields));
     }
 
-    const std::string lazy_dataset = "/material/lazy_states";
-
-    std::string name_dataset(const PointId id)
+    bool has_same_grading(std::span<const double> before, std::span<const double> now)
     {
-      return fmt::format("/material/points/{}", id);
+      return before[broken_instant] == now[broken_instant] && before[broken_delayed] == now[broken_delayed];
     }
 
-    /** One message of bytes from a rank to rank 0; empty on the others. */
-    std::vector<std::byte> send_to_first(std::vector<std::byte> bytes, const unsigned int source, const RevPool &pool)
+    void fill_grading(const dem::GradingMeasures &measures, std::span<double> row)
     {
-      if (source == 0 || (pool.get_rank() != 0 && pool.get_rank() != source))
-        return bytes;
-      std::uint64_t n_bytes = bytes.size();
-      const int from = static_cast<int>(source), tag = 0;
-      if (pool.get_rank() == source)
-        {
-          MPI_Send(&n_bytes, 1, MPI_UINT64_T, 0, tag, pool.get_communicator());
-          MPI_Send(bytes.data(), static_cast<int>(n_bytes), MPI_BYTE, 0, tag, pool.get_communicator());
-          return {};
-        }
-      MPI_Recv(&n_bytes, 1, MPI_UINT64_T, from, tag, pool.get_communicator(), MPI_STATUS_IGNORE);
-      bytes.resize(n_bytes);
-      MPI_Recv(bytes.data(), static_cast<int>(n_bytes), MPI_BYTE, from, tag, pool.get_communicator(),
-               MPI_STATUS_IGNORE);
-      return bytes;
+      row[einav_breakage] = measures.einav;
+      row[hardin_breakage] = measures.hardin;
+      row[d10] = measures.d10;
+      row[d50] = measures.d50;
+      row[d90] = measures.d90;
     }
   } // namespace
 
@@ -95,16 +85,54 @@ namespace coupling
             "broken delayed [-]",
             "grains [-]",
             "cycles [-]",
+            "relative breakage [-]",
+            "relative breakage by Hardin [-]",
+            "d10 [m]",
+            "d50 [m]",
+            "d90 [m]",
             "bound of error of stress [Pa]",
             cost_field};
   }
 
+  void RevMaterial::measure_initial_gradings()
+  {
+    constexpr std::size_t n_numbers = 3;
+    const auto rows = pool_.collect(n_numbers, [&](const PointId id, std::span<double> row) {
+      const auto diameters = dem::list_diameters(get_local_rev(id).get_committed().grains);
+      const dem::InitialGrading grading = dem::measure_initial_grading(diameters, parameters_.breakage);
+      row[0] = grading.hardin_mean;
+      row[1] = grading.einav_mean;
+      row[2] = grading.largest_diameter;
+    });
+    initial_gradings_.clear();
+    for (std::size_t at = 0; at < rows.size(); at += n_numbers)
+      initial_gradings_.push_back({rows[at], rows[at + 1], rows[at + 2]});
+  }
+
   void RevMaterial::update_fields()
   {
-    fields_ = pool_.collect(n_columns,
-                            [&](const PointId id, std::span<double> row) { fill_fields(*points_.at(id).rev, row); });
+    std::vector<double> fields = collect_fields();
     for (std::size_t i = 0; i < pool_.get_points().size(); ++i)
-      fields_[i * n_columns + cost] = pool_.get_step_costs()[i];
+      fields[i * n_columns + cost] = pool_.get_step_costs()[i];
+    fields_ = std::move(fields);
+  }
+
+  // Sorting grains by size costs more than all else here: gradings are measured where something has broken since.
+  std::vector<double> RevMaterial::collect_fields() const
+  {
+    return pool_.collect(n_columns, [&](const PointId id, std::span<double> row) {
+      const std::size_t place = pool_.get_index(id);
+      fill_fields(*points_.at(id).rev, row);
+      const std::span<const double> before =
+          fields_.empty() ? std::span<const double>() : std::span(fields_).subspan(place * n_columns, n_columns);
+      if (!before.empty() && has_same_grading(before, row))
+        for (const Field field : {einav_breakage, hardin_breakage, d10, d50, d90})
+          row[field] = before[field];
+      else
+        fill_grading(dem::measure_grading_with_fines(get_local_rev(id).get_committed(), initial_gradings_[place],
+                                                     parameters_.model.fracture, parameters_.breakage),
+                     row);
+    });
   }
 
   std::vector<double> RevMaterial::compute_fields(const PointId id) const
@@ -166,72 +194,5 @@ namespace coupling
                               dem::list_contacts(state, rev.get_law()), {parameters_.model.identity.seed, id});
         }
     });
-  }
-
-  // One point after another, so that rank 0 never holds more than one state of the others.
-  void RevMaterial::save(const std::string &file) const
-  {
-    for (const PointId id : pool_.get_points())
-      {
-        std::vector<std::byte> bytes;
-        if (pool_.get_owner(id) == pool_.get_rank())
-          bytes = dem::serialise(get_local_rev(id).get_committed());
-        bytes = send_to_first(std::move(bytes), pool_.get_owner(id), pool_);
-        pool_.agree([&]() {
-          if (pool_.get_rank() == 0)
-            dem::write_bytes(file, name_dataset(id), bytes);
-        });
-      }
-    save_lazy_states(file);
-  }
-
-  // Rows of doubles in the order of the points; nothing where no REV has ever been lazy.
-  void RevMaterial::save_lazy_states(const std::string &file) const
-  {
-    const auto rows = pool_.collect(LazyRev::n_committed_numbers, [&](const PointId id, std::span<double> row) {
-      points_.at(id).rev->write_committed(row);
-    });
-    if (!parameters_.point.is_lazy() && compute_totals().lazy.n_questions == 0.)
-      return;
-    pool_.agree([&]() {
-      if (pool_.get_rank() == 0)
-        dem::write_bytes(file, lazy_dataset, std::as_bytes(std::span(rows)));
-    });
-  }
-
-  void RevMaterial::load_lazy_states(const std::string &file)
-  {
-    if (!dem::has_bytes(file, lazy_dataset))
-      return;
-    const auto bytes = dem::read_bytes(file, lazy_dataset);
-    std::vector<double> rows(bytes.size() / sizeof(double));
-    if (rows.size() != pool_.get_points().size() * LazyRev::n_committed_numbers)
-      throw std::runtime_error(fmt::format("{}, dataset {}: of another number of points", file, lazy_dataset));
-    std::memcpy(rows.data(), bytes.data(), bytes.size());
-    for (const PointId id : pool_.get_local_points())
-      points_.at(id).rev->read_committed(std::span<const double>(rows).subspan(
-          pool_.get_index(id) * LazyRev::n_committed_numbers, LazyRev::n_committed_numbers));
-  }
-
-  void RevMaterial::load(const std::string &file)
-  {
-    pool_.agree([&]() {
-      for (const PointId id : pool_.get_local_points())
-        {
-          const auto bytes = dem::read_bytes(file, name_dataset(id));
-          try
-            {
-              points_.at(id).rev =
-                  std::make_unique<LazyRev>(dem::Rev(make_model(id), dem::deserialise(bytes)), parameters_.point);
-            }
-          catch (const std::runtime_error &error)
-            {
-              throw std::runtime_error(
-                  fmt::format("{}, dataset {}: {}", file, name_dataset(id), std::string(error.what())));
-            }
-        }
-      load_lazy_states(file);
-    });
-    update_fields();
   }
 } // namespace coupling

@@ -33,10 +33,32 @@ namespace dem
       return (x * std::log(x) / (x - 1.) - 1.) / p;
     }
 
-    GradingMeasures measure_grading(const GrainMass &initial, const GrainMass &now, const BreakageScale &scale)
+    double compute_einav_breakage(const InitialGrading &initial, const GrainMass &now, const BreakageScale &scale)
     {
-      return {compute_hardin_breakage(initial, now, scale), compute_einav_breakage(initial, now, scale),
-              compute_diameter_at(now, 0.1), compute_diameter_at(now, 0.5), compute_diameter_at(now, 0.9)};
+      if (!(initial.largest_diameter > scale.smallest_diameter))
+        return std::numeric_limits<double>::quiet_NaN();
+      return compute_share_of_way(initial.einav_mean, compute_mean_logarithm(now, scale.smallest_diameter),
+                                  compute_ultimate_mean_logarithm(scale, initial.largest_diameter));
+    }
+
+    GradingMeasures measure_grading(const InitialGrading &initial, const GrainMass &now, const BreakageScale &scale)
+    {
+      return {compute_share_of_way(initial.hardin_mean, compute_mean_logarithm(now, scale.silt_diameter), 0.),
+              compute_einav_breakage(initial, now, scale), compute_diameter_at(now, 0.1), compute_diameter_at(now, 0.5),
+              compute_diameter_at(now, 0.9)};
+    }
+
+    /** Volume that splitting has ground to fines [m3]. */
+    double compute_fines(const RevState &state)
+    {
+      const double fines = std::max(0., state.initial_solid_volume - compute_solid_volume(state.grains));
+      return fines < 1e-12 * state.initial_solid_volume ? 0. : fines; // rounding of the sums: nothing was lost
+    }
+
+    InitialGrading measure_initial_mass(const GrainMass &mass, const BreakageScale &scale)
+    {
+      return {compute_mean_logarithm(mass, scale.silt_diameter), compute_mean_logarithm(mass, scale.smallest_diameter),
+              *std::max_element(mass.diameters.begin(), mass.diameters.end())};
     }
   } // namespace
 
@@ -62,12 +84,22 @@ namespace dem
   double compute_einav_breakage(const GrainMass &initial, const GrainMass &now, const BreakageScale &scale)
   {
     assert(scale.fractal_dimension < 3. && !initial.diameters.empty());
-    const double largest = *std::max_element(initial.diameters.begin(), initial.diameters.end());
-    if (!(largest > scale.smallest_diameter))
-      return std::numeric_limits<double>::quiet_NaN();
-    return compute_share_of_way(compute_mean_logarithm(initial, scale.smallest_diameter),
-                                compute_mean_logarithm(now, scale.smallest_diameter),
-                                compute_ultimate_mean_logarithm(scale, largest));
+    return compute_einav_breakage(measure_initial_mass(initial, scale), now, scale);
+  }
+
+  InitialGrading measure_initial_grading(const std::span<const double> diameters, const BreakageScale &scale)
+  {
+    assert(!diameters.empty());
+    return measure_initial_mass({.diameters = diameters}, scale);
+  }
+
+  GradingMeasures measure_grading_with_fines(const RevState &state, const InitialGrading &initial,
+                                             const FractureRule &rule, const BreakageScale &scale)
+  {
+    const std::vector<double> diameters = list_diameters(state.grains);
+    return measure_grading(
+        initial, {.diameters = diameters, .fines = compute_fines(state), .largest_fine = rule.comminution_diameter},
+        scale);
   }
 
   std::vector<double> list_diameters(const Grains &grains)
@@ -108,12 +140,10 @@ namespace dem
                                     const FractureRule &rule, const BreakageScale &scale)
   {
     const std::vector<double> diameters = list_diameters(state.grains);
-    double fines = std::max(0., state.initial_solid_volume - compute_solid_volume(state.grains));
-    if (fines < 1e-12 * state.initial_solid_volume) // rounding of the sums: nothing was lost
-      fines = 0.;
-    const GrainMass initial{.diameters = initial_diameters}, grains{.diameters = diameters};
-    const GrainMass all{.diameters = diameters, .fines = fines, .largest_fine = rule.comminution_diameter};
-    return {measure_grading(initial, grains, scale), measure_grading(initial, all, scale),
-            fines / state.initial_solid_volume, compute_strength_statistics(state.grains, rule)};
+    const double fines = compute_fines(state);
+    const InitialGrading initial = measure_initial_grading(initial_diameters, scale);
+    return {measure_grading(initial, {.diameters = diameters}, scale),
+            measure_grading_with_fines(state, initial, rule, scale), fines / state.initial_solid_volume,
+            compute_strength_statistics(state.grains, rule)};
   }
 } // namespace dem

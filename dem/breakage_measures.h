@@ -34,6 +34,16 @@ namespace dem
    */
   double compute_einav_breakage(const GrainMass &initial, const GrainMass &now, const BreakageScale &scale);
 
+  /** What the two measures need to know of a grading before anything broke. */
+  struct InitialGrading
+  {
+    double hardin_mean = std::numeric_limits<double>::quiet_NaN();      ///< mean logarithm over the silt's diameter [-]
+    double einav_mean = std::numeric_limits<double>::quiet_NaN();       ///< mean logarithm over d_m [-]
+    double largest_diameter = std::numeric_limits<double>::quiet_NaN(); ///< d_M [m]
+  };
+
+  InitialGrading measure_initial_grading(std::span<const double> diameters, const BreakageScale &scale);
+
   /** Numbers of one grading. */
   struct GradingMeasures
   {
@@ -57,6 +67,11 @@ namespace dem
     double fines_share = 0.; ///< of the initial volume of solids [-]
     StrengthStatistics whole;
   };
+
+  /** The grading of a REV with its fines, beside the initial one; breakage is NaN where that is not known. Fines lie in
+   * [d_c/10, d_c] of the rule. */
+  GradingMeasures measure_grading_with_fines(const RevState &state, const InitialGrading &initial,
+                                             const FractureRule &rule, const BreakageScale &scale);
 
   /** Diameters of the grains [m], in the order in which they are stored. */
   std::vector<double> list_diameters(const Grains &grains);

@@ -10,6 +10,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 namespace
 {
   using coupling::RevMaterial;
@@ -131,6 +133,55 @@ TEST(RevMaterial, SaveAndLoadReturnWhatIsPending)
       for (int i = 0; i < 2; ++i)
         EXPECT_TRUE(here[i].stress == there[i].stress);
     }
+}
+
+TEST(RevMaterial, BreakageOfAPointIsThatOfItsGrains)
+{
+  RevMaterial material(rev_sample::make_parameters(), rev_sample::make_pool());
+  material.initialise(rev_sample::make_sites());
+  const auto names = material.get_field_names();
+  const auto einav = std::find(names.begin(), names.end(), "relative breakage [-]") - names.begin();
+  const auto d50 = std::find(names.begin(), names.end(), "d50 [m]") - names.begin();
+  const auto broken = std::find(names.begin(), names.end(), "broken at once [-]") - names.begin(); // then: delayed
+  double n_broken = 0.;
+  // What is measured of the grains and of the packing that they were, on the rank where they live.
+  const auto expect_measures = [&](const RevMaterial &which) {
+    n_broken = 0.;
+    const auto expected = which.get_pool().collect(2, [&](const fem::PointId id, std::span<double> row) {
+      const dem::RevState &state = which.get_local_rev(id).get_committed();
+      const auto rule = rev_sample::make_packing_rule();
+      const auto packing = dem::generate_packing(rule, dem::GrainMaterial{}, dem::DynamicsRule{}).state;
+      const auto measures = dem::measure_breakage(state, dem::list_diameters(packing.grains), dem::FractureRule{}, {});
+      row[0] = measures.with_fines.einav;
+      row[1] = measures.with_fines.d50;
+    });
+    for (std::size_t i = 0; i < 2; ++i)
+      {
+        const auto fields = which.compute_fields(i == 0 ? 3 : 8);
+        EXPECT_NEAR(fields[einav], expected[2 * i], 1e-13); // the sum is taken in another order of grains
+        EXPECT_EQ(fields[d50], expected[2 * i + 1]);
+        EXPECT_EQ(fields[einav] > 1e-6, fields[broken] + fields[broken + 1] > 0.) << fields[einav];
+        n_broken += fields[broken] + fields[broken + 1];
+      }
+  };
+  expect_measures(material);
+  EXPECT_GT(n_broken, 0.); // in consolidation, in one of the two
+  strain(material, -4e-3);
+  material.settle(true);
+  material.commit();
+  expect_measures(material);
+
+  const ScratchFolder folder;
+  const std::string file = folder.get_file("checkpoint.h5");
+  if (material.get_pool().get_rank() == 0)
+    dem::create_file(file);
+  material.save(file);
+  auto parameters = rev_sample::make_parameters();
+  parameters.is_resumed = true;
+  RevMaterial other(parameters, rev_sample::make_pool());
+  other.initialise(rev_sample::make_sites());
+  other.load(file);
+  expect_measures(other);
 }
 
 TEST(RevMaterial, LoadNamesFileAndDatasetOfWhatIsMissing)

@@ -127,6 +127,12 @@ namespace
     EXPECT_GT(split.without_fines.hardin, 0.);
     EXPECT_GT(split.with_fines.hardin, split.without_fines.hardin);
     EXPECT_GT(split.with_fines.einav, split.without_fines.einav);
+    // The same from what is kept of the initial grading alone.
+    const auto kept_alone = measure_grading_with_fines(state, measure_initial_grading(before, {}), rule, {});
+    EXPECT_EQ(kept_alone.einav, split.with_fines.einav);
+    EXPECT_EQ(kept_alone.hardin, split.with_fines.hardin);
+    EXPECT_EQ(kept_alone.d50, split.with_fines.d50);
+    EXPECT_TRUE(std::isnan(measure_grading_with_fines(state, {}, rule, {}).einav)); // nothing is known of before
     // Siblings are not of the packing: the whole one is left.
     EXPECT_EQ(split.whole.n, 1u);
     EXPECT_NEAR(split.whole.mean, kept, rounding);
