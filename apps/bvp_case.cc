@@ -96,6 +96,42 @@ namespace apps
       binder.leave();
     }
 
+    void bind_step_control(ParameterBinder &binder, fem::StepControl &control)
+    {
+      binder.enter("Control");
+      binder.bind(
+          "Is active", control.is_active,
+          "Whether scheduled steps of creep are shortened as below; needs REVs/Ageing = schedule. Units: none.");
+      binder.bind("Fractures a REV", control.target.fractures, positive,
+                  "In a step while REVs age, mean over all of them: shorter steps from there on. Units: [-].");
+      binder.bind("Strain", control.target.strain, positive,
+                  "Of any Gauss point of the ground in a step: shorter steps from there on. Units: [-].");
+      binder.bind("Stress change", control.target.stress_change, positive,
+                  "Of any Gauss point of the ground in a step, over its stress or the mean of all, whichever is more: "
+                  "shorter steps from there on. Units: [-].");
+      binder.bind("Hard limit", control.hard_limit, {1., 1e6, true, false},
+                  "Multiple of these beyond which a step is taken back and repeated half as long. Units: [-].");
+      binder.bind(
+          "Smallest share", control.smallest_share, {0., 1., true, false},
+          "Of the way to the next scheduled time: no shorter step is asked for; at least Stepping/Smallest step "
+          "share. Units: [-].");
+      binder.bind("Largest growth", control.largest_growth, {1., 1000., true, false},
+                  "Of that share from one step to the next. Units: [-].");
+      binder.leave();
+    }
+
+    void complete_step_control(const ParameterBinder &binder, const BvpCase &bvp)
+    {
+      const fem::StepControl &control = bvp.stepping.control;
+      if (!control.is_active)
+        return;
+      if (bvp.material == MaterialKind::rev && bvp.rev_material.ageing.mode == coupling::AgeingMode::events)
+        binder.reject("Stepping/Control/Is active", "is true, but steps end at events of the REVs; allowed: with "
+                                                    "REVs/Ageing = schedule");
+      if (control.smallest_share < bvp.stepping.smallest_step_share)
+        binder.reject("Stepping/Control/Smallest share", "is below Stepping/Smallest step share");
+    }
+
     void bind_solver(ParameterBinder &binder, BvpCase &bvp)
     {
       bind_newton(binder, bvp.problem.newton);
@@ -118,6 +154,7 @@ namespace apps
       binder.bind("Most cuts", bvp.stepping.max_cuts, at_least_one, "Within one increment. Units: [-].");
       binder.bind("Most idle steps", bvp.stepping.max_idle_steps, at_least_one,
                   "In a row during which no time passes. Units: [-].");
+      bind_step_control(binder, bvp.stepping.control);
       binder.leave();
     }
 
@@ -309,6 +346,7 @@ namespace apps
     bvp.rev_material.packing.rule = bvp.rev.packing;
     bvp.rev_material.packing.file = bvp.rev.packing_file;
     bvp.rev_material.point.kinematics = bvp.elastic.kinematics = bvp.burgers.kinematics = bvp.problem.kinematics;
+    complete_step_control(binder, bvp);
     std::ostringstream text;
     binder.print(text);
     bvp.parameters = text.str();

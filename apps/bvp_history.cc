@@ -95,8 +95,9 @@ namespace apps
           append({probe.name + "_void_ratio", probe.name + "_void_ratio_with_fines"});
       }
     append({"avalanche_rounds", "avalanche_evaluations", "residual_N", "reaction_N", "grains", "mean_void_ratio",
-            "mean_void_ratio_with_fines", "lazy_revs", "largest_stress_error_bound_Pa", "rev_questions",
-            "lazy_answers"});
+            "mean_void_ratio_with_fines", "lazy_revs", "largest_stress_error_bound_Pa", "rev_questions", "lazy_answers",
+            "step_length_s", "step_bound", "step_fractures_a_rev", "step_largest_strain",
+            "step_largest_stress_change"});
     return names;
   }
 
@@ -124,7 +125,9 @@ namespace apps
     row.add(report.avalanche_rounds).add(report.avalanche_evaluations).add(report.residual).add(report.reaction_norm);
     row.add(totals.grains).add(totals.void_ratio).add(totals.void_ratio_with_fines);
     row.add(totals.n_lazy).add(totals.largest_error_bound);
-    return row.add(totals.lazy.n_questions).add(totals.lazy.n_forecasts);
+    row.add(totals.lazy.n_questions).add(totals.lazy.n_forecasts);
+    row.add(report.length).add(static_cast<unsigned int>(report.bound)).add(report.effects.fractures);
+    return row.add(report.effects.strain).add(report.effects.stress_change);
   }
 
   template std::vector<ProbeState> compute_probe_states(const fem::QuasiStaticProblem<2> &, const BvpOutput &);

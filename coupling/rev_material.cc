@@ -155,8 +155,7 @@ namespace coupling
     RevQuestion question;
     question.kind = QuestionKind::age;
     question.dt = dt;
-    unsigned int n_broken = 0;
-    return change_baselines(question, n_broken);
+    return change_baselines(question, n_aged_);
   }
 
   // The rows that travel: nine numbers of dF, whether the tangent is wanted; back come what point_package.h packs.

@@ -60,6 +60,7 @@ namespace coupling
     double compute_time_to_next_event(unsigned int n_cuts) const override;
     bool can_cut_events(unsigned int n_cuts) const override;
     fem::Status begin_step(double dt) override;
+    fem::EventCount count_events() const override { return {n_aged_, pool_.get_points().size()}; }
     void evaluate(std::span<const fem::PointRequest> requests, std::span<fem::PointResponse> responses,
                   bool with_tangent) override;
     fem::Settlement settle(bool accept_excess) override;
@@ -119,6 +120,7 @@ namespace coupling
     std::vector<dem::InitialGrading> initial_gradings_; ///< of all points, known to all ranks
     std::vector<double> fields_;                        ///< of all points, by get_field_names(), after the last commit
     std::uint64_t n_evaluations_ = 0;
+    unsigned int n_aged_ = 0; ///< grains that broke in the last begin_step()
     std::mutex mutex_;        // of failure files, since HDF5 is not thread-safe, and of what REVs leave behind
   };
 } // namespace coupling

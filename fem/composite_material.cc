@@ -60,6 +60,18 @@ namespace fem
     return worst;
   }
 
+  EventCount CompositeMaterial::count_events() const
+  {
+    EventCount all;
+    for (const auto &part : parts_)
+      {
+        const EventCount count = part->count_events();
+        all.n_events += count.n_events;
+        all.n_points += count.n_points;
+      }
+    return all;
+  }
+
   void CompositeMaterial::evaluate(std::span<const PointRequest> requests, std::span<PointResponse> responses,
                                    bool with_tangent)
   {

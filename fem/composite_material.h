@@ -32,6 +32,7 @@ namespace fem
     double compute_time_to_next_event(unsigned int n_cuts) const override;
     bool can_cut_events(unsigned int n_cuts) const override;
     Status begin_step(double dt) override;
+    EventCount count_events() const override;
     void evaluate(std::span<const PointRequest> requests, std::span<PointResponse> responses,
                   bool with_tangent) override;
 

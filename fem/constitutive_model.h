@@ -5,6 +5,7 @@
 #include <deal.II/base/tensor.h>
 #include <deal.II/base/types.h>
 
+#include <cstdint>
 #include <limits>
 #include <span>
 #include <stdexcept>
@@ -61,6 +62,13 @@ namespace fem
     Status status = Status::ok;
   };
 
+  /** Events, such as grains that broke, and the points that know of any. */
+  struct EventCount
+  {
+    std::uint64_t n_events = 0;
+    std::uint64_t n_points = 0;
+  };
+
   /**
    * What a solver may ask of the material at its Gauss points, for all of them at once.
    *
@@ -86,6 +94,9 @@ namespace fem
     /** Moves the baseline on by dt [s], dt >= 0, at held strain (ageing, viscous flow). `status` other than ok: revert.
      */
     virtual Status begin_step(double dt) = 0;
+
+    /** What happened in the last begin_step(), over all points of all ranks. */
+    virtual EventCount count_events() const { return {}; }
 
     /** Trial answers for the given points; the tangent only if asked for. @pre responses.size() == requests.size() */
     virtual void evaluate(std::span<const PointRequest> requests, std::span<PointResponse> responses,

@@ -14,6 +14,7 @@ namespace fem
       if (!(parameters.smallest_step_share > 0. && parameters.smallest_step_share <= 1.))
         throw std::invalid_argument(
             fmt::format("stepping: smallest step share = {} must lie in (0, 1]", parameters.smallest_step_share));
+      check_control(parameters.control, parameters.smallest_step_share);
     }
   } // namespace
 
@@ -87,10 +88,27 @@ namespace fem
     problem_.set_phase(has_begun_ ? phases_[progress_.stage] : get_phase_before(progress_.stage));
   }
 
+  // A creep step is judged by what it has brought about once nothing breaks any more.
+  template <int dim>
+  typename LoadStepping<dim>::Outcome LoadStepping<dim>::try_step(const Step &step)
+  {
+    Outcome outcome = find_equilibria(step);
+    if (outcome.status != StepStatus::ok)
+      return outcome;
+    StepEffects &effects = outcome.report.effects;
+    effects = problem_.compute_step_effects();
+    const EventCount events = material_.count_events();
+    if (events.n_points > 0)
+      effects.fractures = static_cast<double>(events.n_events) / static_cast<double>(events.n_points);
+    if (is_controlled() && is_overshoot(effects, step.share, parameters_.control))
+      outcome.status = StepStatus::overshoot;
+    return outcome;
+  }
+
   // Age, find the equilibrium, and as long as it breaks grains settle and find the next one: an avalanche is a sequence
   // of equilibria at one load.
   template <int dim>
-  typename LoadStepping<dim>::Outcome LoadStepping<dim>::try_step(const Step &step)
+  typename LoadStepping<dim>::Outcome LoadStepping<dim>::find_equilibria(const Step &step)
   {
     Outcome outcome;
     StepReport &report = outcome.report;
@@ -135,6 +153,8 @@ namespace fem
         if (step.is_event_limited)
           length = progress_.step_share * std::max(to_event, 0.);
       }
+    step.share = progress_.step_share;
+    step.length = length;
     const double remaining = milestone - progress_.position;
     Advance &advance = step.advance;
     // What is left of an increment after cuts and events may differ from a step by rounding alone.
@@ -164,7 +184,14 @@ namespace fem
     report.stage = progress_.stage;
     report.stage_name = stage.name;
     report.n_cuts = progress_.n_cuts;
+    report.length = step.advance.dt;
+    report.bound = step.is_event_limited         ? StepBound::event
+                   : step.advance.ends_increment ? StepBound::milestone
+                                                 : StepBound::share;
+    const bool was_controlled = is_controlled();
     update_progress(stage, end_values_[progress_.stage], step.advance, progress_);
+    if (was_controlled)
+      control_share(step, report.effects);
     has_begun_ &= progress_.stage == report.stage;
     report.step = progress_.step;
     report.time = progress_.time;
@@ -192,6 +219,20 @@ namespace fem
       }
     progress_.step_share *= 0.5;
     return progress_.step_share >= parameters_.smallest_step_share;
+  }
+
+  // The rest of an increment may be much shorter than what was asked for, and says little.
+  template <int dim>
+  void LoadStepping<dim>::control_share(const Step &step, const StepEffects &effects)
+  {
+    progress_.step_share =
+        step.advance.dt < 0.5 * step.length ? step.share : compute_next_share(effects, step.share, parameters_.control);
+  }
+
+  template <int dim>
+  bool LoadStepping<dim>::is_controlled() const
+  {
+    return parameters_.control.is_active && stages_[progress_.stage].kind == StageKind::creep;
   }
 
   template <int dim>

@@ -15,6 +15,7 @@ namespace fem
     unsigned int max_avalanche_rounds = 200; ///< equilibria in a step, >= 1; beyond it: rupture
     unsigned int max_cuts = 100;             ///< within one increment, >= 1; beyond it the run gives up
     unsigned int max_idle_steps = 1000;      ///< in a row during which no time passes, >= 1
+    StepControl control;                     ///< of creep
   };
 
   /** How a run ended. The last committed state is intact whatever it says. */
@@ -54,6 +55,8 @@ namespace fem
       bool is_event_limited = false; ///< it ends at the material's next event
       bool accept_excess = false;    ///< it cannot be cut further
       double carried_share = 0.;     ///< of what the stage's beginning has set free
+      double share = 1.;             ///< of the way to the milestone, as it was asked for
+      double length = 0.;            ///< that this is of, in the stage's position
     };
 
     /** What a tried step came to. */
@@ -67,8 +70,11 @@ namespace fem
     const Phase &get_phase_before(unsigned int stage) const { return stage > 0 ? phases_[stage - 1] : initial_phase_; }
     Step propose_step() const;
     Outcome try_step(const Step &step);
+    Outcome find_equilibria(const Step &step);
     void commit(const Step &step, StepReport &report);
     bool shorten(const Step &step, StepStatus status);
+    void control_share(const Step &step, const StepEffects &effects);
+    bool is_controlled() const;
     bool can_halve_load() const;
     bool can_cut_events(double dt) const;
     void report_cut(const Outcome &outcome, bool is_final) const;

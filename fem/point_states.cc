@@ -71,17 +71,52 @@ namespace fem
     PointState state;
     state.id = requests_[index].id;
     state.position = positions_[index];
-    const dealii::SymmetricTensor<2, 3> identity = dealii::unit_symmetric_tensor<3>();
-    const bool is_finite = parameters_.kinematics == Kinematics::finite;
     state.deformation = committed_deformations_[index];
-    if (is_finite)
+    if (parameters_.kinematics == Kinematics::finite)
       state.deformation *= assembly_->compute_dilatation_factor(committed_deformations_, index);
     else
-      state.deformation +=
-          assembly_->compute_dilatation_shift(committed_deformations_, index) * dealii::Tensor<2, 3>(identity);
+      state.deformation += assembly_->compute_dilatation_shift(committed_deformations_, index) *
+                           dealii::Tensor<2, 3>(dealii::unit_symmetric_tensor<3>());
     state.stress = committed_stresses_[index];
-    state.strain = is_finite ? compute_log_strain(state.deformation) : dealii::symmetrize(state.deformation) - identity;
+    state.strain = compute_strain(state.deformation);
     return state;
+  }
+
+  template <int dim>
+  StepEffects QuasiStaticProblem<dim>::compute_step_effects() const
+  {
+    const MPI_Comm communicator = get_communicator();
+    const auto is_ground = [&](const std::size_t i) { return !parameters_.pile_regions.contains(regions_[i]); };
+    double sum = 0., n_points = 0.;
+    for (std::size_t i = 0; i < requests_.size(); ++i)
+      if (is_ground(i))
+        {
+          sum += committed_stresses_[i].norm();
+          n_points += 1.;
+        }
+    const double mean = dealii::Utilities::MPI::sum(sum, communicator) /
+                        std::max(1., dealii::Utilities::MPI::sum(n_points, communicator));
+    StepEffects effects;
+    for (std::size_t i = 0; i < requests_.size(); ++i)
+      if (is_ground(i))
+        {
+          const auto strain = compute_strain(baseline_deformations_[i]) - compute_strain(committed_deformations_[i]);
+          const double change = (responses_[i].stress - committed_stresses_[i]).norm();
+          const double scale = std::max(mean, committed_stresses_[i].norm());
+          effects.strain = std::max(effects.strain, strain.norm());
+          effects.stress_change = std::max(effects.stress_change, scale > 0. ? change / scale : 0.);
+        }
+    effects.strain = dealii::Utilities::MPI::max(effects.strain, communicator);
+    effects.stress_change = dealii::Utilities::MPI::max(effects.stress_change, communicator);
+    return effects;
+  }
+
+  template <int dim>
+  SymmetricTensor<2, 3> QuasiStaticProblem<dim>::compute_strain(const dealii::Tensor<2, 3> &deformation) const
+  {
+    return parameters_.kinematics == Kinematics::finite
+               ? compute_log_strain(deformation)
+               : dealii::symmetrize(deformation) - dealii::unit_symmetric_tensor<3>();
   }
 
   template <int dim>

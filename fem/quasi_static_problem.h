@@ -8,6 +8,7 @@
 #include "fem/loading_programme.h"
 #include "fem/mesh_input.h"
 #include "fem/newton_solver.h"
+#include "fem/step_control.h"
 
 #include <deal.II/fe/fe_system.h>
 #include <deal.II/fe/mapping_q.h>
@@ -105,6 +106,9 @@ namespace fem
     /** Forces and displacements of the named boundaries and interfaces at the last equilibrium. */
     std::vector<BoundaryResponse> compute_boundary_responses() const;
 
+    /** Largest strain and stress change of the ground's points since the last commit; no fractures. */
+    StepEffects compute_step_effects() const;
+
     /** The Gauss point nearest to an initial position, as committed. */
     PointState compute_nearest_point_state(const dealii::Point<3> &position) const;
 
@@ -166,6 +170,7 @@ namespace fem
     void compute_residual(const Vector &increment, Vector &residual);
     Vector condense(const Vector &residual) const;
     PointState compute_point_state(std::size_t index) const;
+    dealii::SymmetricTensor<2, 3> compute_strain(const dealii::Tensor<2, 3> &deformation) const;
     void set_followers_to_zero(Vector &vector) const;
     void enter_pile();
     std::vector<dealii::types::global_dof_index> list_unfree_dofs() const;

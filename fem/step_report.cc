@@ -44,6 +44,8 @@ namespace fem
         return "a material point or the linear solver failed, even in the smallest step";
       case StepStatus::no_convergence:
         return "no equilibrium within the cap on evaluations, even in the smallest step";
+      case StepStatus::overshoot:
+        return "the step brought about more than the step control allows";
       case StepStatus::rupture:
         return "rupture: an avalanche that does not end";
       default:

@@ -2,6 +2,7 @@
 
 #include "fem/boundary_conditions.h"
 #include "fem/newton_solver.h"
+#include "fem/step_control.h"
 
 #include <functional>
 #include <limits>
@@ -18,8 +19,17 @@ namespace fem
     step_too_large, ///< said by the material
     failed,         ///< said by the material or the linear solver
     no_convergence, ///< Newton's cap on evaluations
+    overshoot,      ///< a controlled step that brought about more than it may
     rupture,        ///< an avalanche that does not end
     no_progress     ///< one event after the other at the same instant
+  };
+
+  /** What ended a step where it did. */
+  enum class StepBound
+  {
+    milestone, ///< a scheduled time, an output, an increment of a load
+    event,     ///< of the material
+    share      ///< only a share of the way to the next milestone was tried, after cuts or because the control says so
   };
 
   /** A committed step, as observers see it. */
@@ -37,6 +47,9 @@ namespace fem
     unsigned int n_cuts = 0;                                         ///< since the increment began
     double residual = std::numeric_limits<double>::quiet_NaN();      ///< last equilibrium [N]
     double reaction_norm = std::numeric_limits<double>::quiet_NaN(); ///< its force scale [N]
+    double length = 0.;                                              ///< [s]
+    StepBound bound = StepBound::milestone;
+    StepEffects effects;
     bool is_output = false; ///< an output time, an increment of a load stage, or a stage's end
     bool is_stage_end = false;
     std::vector<BoundaryResponse> boundaries;

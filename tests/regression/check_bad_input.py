@@ -181,6 +181,18 @@ class BadInput(unittest.TestCase):
     def test_boundary_value_problem_with_unknown_parameter(self):
         self.expect_refusal(self.run_program(self.case, "--check", program="slowsand-bvp"), "case.prm")
 
+    def test_lazy_answers_and_step_control_where_they_do_not_reach(self):
+        case = self.folder / "lazy.prm"
+        case.write_text(BVP_CASE.replace("set Material = viscoelastic", "set Material = rev"))
+        check = (case, "--check", "--set")
+        self.expect_refusal(self.run_program(*check, "REVs/Lazy tolerance=0.2", program="slowsand-bvp"), "Lazy tolerance", "0.2")
+        self.expect_refusal(self.run_program(*check, "REVs/Lazy tolerance=1e-3", "--set", "Motion/Masses are true=true",
+                                             program="slowsand-bvp"), "Lazy tolerance", "Masses are true")
+        control = (*check, "Stepping/Control/Is active=true", "--set")
+        self.expect_refusal(self.run_program(*control, "REVs/Ageing=events", program="slowsand-bvp"), "Control/Is active", "schedule")
+        self.expect_refusal(self.run_program(*control, "REVs/Ageing=schedule", "--set", "Stepping/Control/Smallest share=1e-3",
+                                             program="slowsand-bvp"), "Smallest share")
+
     # Packing files: file and line.
 
     def expect_packing_refused(self, text, *words):
