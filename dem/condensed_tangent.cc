@@ -102,6 +102,14 @@ namespace dem
       return strain;
     }
 
+    std::array<Matrix, 6> make_unit_strains()
+    {
+      std::array<Matrix, 6> strains;
+      for (int column = 0; column < 6; ++column)
+        strains[column] = make_unit_strain(column);
+      return strains;
+    }
+
     /** One of the three-component unknowns that a contact feels. */
     struct Unknown
     {
@@ -120,12 +128,10 @@ namespace dem
       explicit Network(const ContactGraph &graph);
 
       /** Displacements in answer to the six unit strains; NaN when there is no answer. */
-      Columns solve() const;
+      Columns solve();
 
-      /** d(stress)/d(strain) once the grains have moved by x [Pa]. */
-      Tangent compute_tangent(const Columns &x) const;
-
-      Eigen::Index n_unknowns() const { return n_unknowns_; }
+      /** d(stress)/d(strain) once the grains have moved by x [Pa]; null: they follow the mean strain. */
+      Tangent compute_tangent(const Columns *x) const;
 
     private:
       std::vector<Unknown> list_unknowns(const Contact &contact) const;
@@ -146,7 +152,6 @@ namespace dem
       n_unknowns_ = (graph.is_rotation_free ? 6 : 3) * n_grains;
       if (n_grains > 0)
         mean_radius_ = Eigen::Map<const Eigen::VectorXd>(graph.radii.data(), n_grains).mean();
-      assemble();
     }
 
     std::vector<Unknown> Network::list_unknowns(const Contact &contact) const
@@ -202,8 +207,9 @@ namespace dem
       stiffness_.setFromTriplets(entries.begin(), entries.end());
     }
 
-    Columns Network::solve() const
+    Columns Network::solve()
     {
+      assemble();
       Eigen::BiCGSTAB<SparseMatrix, SymmetricPart> solver;
       solver.setTolerance(solver_tolerance);
       solver.setMaxIterations(n_iterations_at_most);
@@ -224,24 +230,32 @@ namespace dem
       return x;
     }
 
-    Tangent Network::compute_tangent(const Columns &x) const
+    Tangent Network::compute_tangent(const Columns *const x) const
     {
+      const std::array<Matrix, 6> strains = make_unit_strains();
       std::array<Matrix, 6> change;
       change.fill(Matrix::Zero());
       Matrix stress = Matrix::Zero();
       for (const Contact &contact : graph_.contacts)
         {
-          const ContactStiffness k = compute_scaled_stiffness(contact);
-          const std::vector<Unknown> unknowns = list_unknowns(contact);
+          ContactStiffness k;
+          std::vector<Unknown> unknowns;
+          if (x != nullptr)
+            {
+              k = compute_scaled_stiffness(contact);
+              unknowns = list_unknowns(contact);
+            }
+          else
+            k[0][0] = compute_translational_stiffness(contact);
           const Vector force = compute_force_on_a(contact);
           stress += force * contact.branch.transpose();
           for (int c = 0; c < 6; ++c)
             {
-              Vector moved = make_unit_strain(c) * contact.branch;
+              Vector moved = strains[c] * contact.branch;
               Vector force_change = k[0][0] * moved;
               for (const Unknown &unknown : unknowns)
                 {
-                  const Vector part = unknown.sign * x.block<3, 1>(unknown.offset, c);
+                  const Vector part = unknown.sign * x->block<3, 1>(unknown.offset, c);
                   force_change += k[0][unknown.block] * part;
                   if (unknown.block == 0)
                     moved += part;
@@ -252,7 +266,7 @@ namespace dem
       Tangent tangent;
       for (int c = 0; c < 6; ++c)
         {
-          const Matrix d = (change[c] - stress * make_unit_strain(c).trace()) / graph_.volume;
+          const Matrix d = (change[c] - stress * strains[c].trace()) / graph_.volume;
           for (int r = 0; r < 6; ++r)
             tangent(r, c) =
                 0.5 * (d(tangent_index[r][0], tangent_index[r][1]) + d(tangent_index[r][1], tangent_index[r][0]));
@@ -263,13 +277,15 @@ namespace dem
 
   Tangent compute_condensed_tangent(const ContactGraph &graph)
   {
-    const Network network(graph);
-    return network.compute_tangent(graph.contacts.empty() ? Columns::Zero(network.n_unknowns(), 6) : network.solve());
+    Network network(graph);
+    if (graph.contacts.empty())
+      return network.compute_tangent(nullptr);
+    const Columns x = network.solve();
+    return network.compute_tangent(&x);
   }
 
   Tangent compute_affine_tangent(const ContactGraph &graph)
   {
-    const Network network(graph);
-    return network.compute_tangent(Columns::Zero(network.n_unknowns(), 6));
+    return Network(graph).compute_tangent(nullptr);
   }
 } // namespace dem
