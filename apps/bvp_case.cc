@@ -36,9 +36,14 @@ namespace apps
       binder.bind_choice<fem::Kinematics>("Kinematics", bvp.problem.kinematics,
                                           {{"finite", fem::Kinematics::finite}, {"small", fem::Kinematics::small}},
                                           "Updated Lagrangian, or strains and rotations that are small. Units: none.");
-      binder.bind("Degree", bvp.problem.degree, {1., 2.},
-                  "Of the elements; degree + 1 Gauss points a direction. Units: "
-                  "[-].");
+      binder.bind("Degree", bvp.problem.degree, {1., 2.}, "Of the elements. Units: [-].");
+      binder.bind_choice<fem::ElementKind>(
+          "Element", bvp.problem.element,
+          {{"lagrange", fem::ElementKind::lagrange}, {"serendipity", fem::ElementKind::serendipity}},
+          "lagrange: nodes inside as well, 27 in a hexahedron of degree 2; serendipity: degree 2, nodes at corners and "
+          "edges alone, 20 in a hexahedron. Units: none.");
+      binder.bind("Gauss points", bvp.problem.n_gauss_points, {0., 3.},
+                  "Along each direction of an element; 0: degree + 1. Serendipity elements may have 2. Units: [-].");
       binder.bind_choice<fem::Dilatation>(
           "Dilatation", bvp.problem.dilatation,
           {{"point", fem::Dilatation::point}, {"cell mean", fem::Dilatation::cell_mean}},

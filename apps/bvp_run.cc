@@ -189,7 +189,11 @@ namespace apps
         checkpoints_.write(*problem_, stepping_->get_progress());
       }
     write_summary("running");
+    if (rev_material_)
+      step_work_ = StepWork([this]() { return rev_material_->compute_local_profile(); });
+    step_work_.resume();
     const fem::RunResult result = stepping_->run();
+    step_work_.pause();
     write_snapshots("end");
     const bool is_finished = result.status == fem::StepStatus::ok;
     write_summary(is_finished ? "finished" : result.message);
@@ -259,6 +263,7 @@ namespace apps
   template <int dim>
   void BvpRun<dim>::record(const fem::StepReport &report)
   {
+    step_work_.pause();
     const coupling::RevTotals totals = rev_material_ ? rev_material_->compute_totals() : coupling::RevTotals{};
     write_step(report, totals);
     record_work(report);
@@ -276,9 +281,12 @@ namespace apps
     tally_.avalanche_rounds += report.avalanche_rounds;
     tally_.avalanche_evaluations += report.avalanche_evaluations;
     tally_.largest_residual_share = std::max(tally_.largest_residual_share, report.residual / report.reaction_norm);
+    if (report.unbalanced_ratio > tally_.largest_unbalanced_ratio)
+      tally_.largest_unbalanced_ratio = report.unbalanced_ratio;
     progress_.show(fmt::format("{}, step {}, {:.3g} s, {} grains broken", report.stage_name, report.step, report.time,
                                totals.broken_instant + totals.broken_delayed),
                    compute_share_done(report));
+    step_work_.resume();
   }
 
   template <int dim>
@@ -356,6 +364,8 @@ namespace apps
         add_pool_figures(pool.get_tally(), tally_.creep_work, summary);
         add_lazy_figures(totals.lazy, summary);
         summary.figures["share of wall time outside REVs [-]"] = 1. - pool.get_total_time() / total;
+        summary.figures["largest unbalanced ratio at equilibrium [-]"] = tally_.largest_unbalanced_ratio;
+        step_work_.add_figures(line_.n_threads, summary);
       }
     if (std::isfinite(unbalanced_share_))
       summary.figures["residual of the untouched ground over its weight [-]"] = unbalanced_share_;

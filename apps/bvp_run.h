@@ -8,6 +8,7 @@
 #include "apps/point_tables.h"
 #include "apps/progress.h"
 #include "apps/run_folder.h"
+#include "apps/step_work.h"
 
 #include "fem/field_output.h"
 
@@ -35,6 +36,7 @@ namespace apps
       unsigned int avalanche_rounds = 0, avalanche_evaluations = 0;
       unsigned int cuts = 0, lost_evaluations = 0;
       double largest_residual_share = 0.;
+      double largest_unbalanced_ratio = 0.;        ///< of a REV at an equilibrium that was committed [-]
       coupling::WorkTally work_before, creep_work; ///< of the REVs: until the last step; in creep steps
     };
 
@@ -76,6 +78,7 @@ namespace apps
     double unbalanced_share_ = std::numeric_limits<double>::quiet_NaN(); ///< of the untouched ground [-]
     std::unique_ptr<CostFile> costs_;
     Tally tally_;
+    StepWork step_work_;
     double output_s_ = 0.; ///< wall time of writing [s]
   };
 } // namespace apps

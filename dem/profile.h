@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 
 namespace dem
 {
@@ -21,10 +22,12 @@ namespace dem
   inline constexpr std::array<const char *, static_cast<std::size_t>(Part::count)> part_names = {
       "forces", "search", "motion", "servo", "ageing", "tangent", "copy"};
 
-  /** Wall time by part [s]. A measurement: no result depends on it. */
+  /** Wall time by part [s], and the work behind it. A measurement: no result depends on it. */
   struct Profile
   {
     std::array<double, part_names.size()> seconds{};
+    std::uint64_t n_cycles = 0; ///< of all runs to rest, also of those that were dropped again
+    std::uint64_t n_rests = 0;  ///< those runs
 
     double &operator[](const Part part) { return seconds[static_cast<std::size_t>(part)]; }
     double operator[](const Part part) const { return seconds[static_cast<std::size_t>(part)]; }
@@ -33,7 +36,25 @@ namespace dem
     {
       for (std::size_t i = 0; i < seconds.size(); ++i)
         seconds[i] += other.seconds[i];
+      n_cycles += other.n_cycles;
+      n_rests += other.n_rests;
       return *this;
     }
+
+    /** What moves grains [s]: the rest is what the cycles cost beside them. */
+    double compute_cycle_time() const
+    {
+      return (*this)[Part::forces] + (*this)[Part::search] + (*this)[Part::motion] + (*this)[Part::servo];
+    }
   };
+
+  /** What was added between two moments of one profile. */
+  inline Profile compute_difference(Profile later, const Profile &earlier)
+  {
+    for (std::size_t i = 0; i < later.seconds.size(); ++i)
+      later.seconds[i] -= earlier.seconds[i];
+    later.n_cycles -= earlier.n_cycles;
+    later.n_rests -= earlier.n_rests;
+    return later;
+  }
 } // namespace dem

@@ -68,6 +68,8 @@ namespace dem
                                   ? run_dynamic_computation(state, rule, cracking, control)
                                   : dem::bring_to_rest(state, rule, control);
     profile_ += report.profile;
+    profile_.n_cycles += report.n_cycles;
+    ++profile_.n_rests;
     n_bytes_at_rest_ = report.n_bytes;
     if (is_strained)
       state.cell.deformation = asked; // so that what the grid leaves out never adds up

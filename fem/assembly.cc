@@ -40,9 +40,10 @@ namespace fem
 
   template <int dim>
   Assembly<dim>::Assembly(const dealii::DoFHandler<dim> &dof_handler, const dealii::Mapping<dim> &mapping,
-                          Geometry geometry, Kinematics kinematics, Dilatation dilatation)
+                          Geometry geometry, Kinematics kinematics, const unsigned int n_gauss_points,
+                          const Dilatation dilatation)
       : dof_handler_(dof_handler), mapping_(mapping), geometry_(geometry), kinematics_(kinematics),
-        dilatation_(dilatation), quadrature_(dof_handler.get_fe().degree + 1)
+        dilatation_(dilatation), quadrature_(n_gauss_points)
   {
     if (dilatation_ == Dilatation::cell_mean)
       for_each_cell([&](const Cell &, const dealii::FEValues<dim> &values, std::size_t) {

@@ -36,8 +36,9 @@ namespace fem
   class Assembly
   {
   public:
+    /** @param n_gauss_points  along each direction of a cell */
     Assembly(const dealii::DoFHandler<dim> &dof_handler, const dealii::Mapping<dim> &mapping, Geometry geometry,
-             Kinematics kinematics, Dilatation dilatation = Dilatation::point);
+             Kinematics kinematics, unsigned int n_gauss_points, Dilatation dilatation = Dilatation::point);
 
     unsigned int get_n_points_per_cell() const { return quadrature_.size(); }
 

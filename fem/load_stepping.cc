@@ -184,6 +184,7 @@ namespace fem
     report.stage = progress_.stage;
     report.stage_name = stage.name;
     report.n_cuts = progress_.n_cuts;
+    report.unbalanced_ratio = problem_.compute_largest_unbalanced_ratio();
     report.length = step.advance.dt;
     report.bound = step.is_event_limited         ? StepBound::event
                    : step.advance.ends_increment ? StepBound::milestone

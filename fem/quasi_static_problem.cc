@@ -1,5 +1,7 @@
 #include "fem/quasi_static_problem.h"
 
+#include "fem/serendipity.h"
+
 #include <deal.II/dofs/dof_tools.h>
 #include <deal.II/fe/fe_q.h>
 #include <deal.II/lac/dynamic_sparsity_pattern.h>
@@ -24,11 +26,31 @@ namespace fem
     {
       if (parameters.degree < 1 || parameters.degree > 2)
         throw std::invalid_argument(fmt::format("problem: degree = {} must be 1 or 2", parameters.degree));
+      const bool is_serendipity = parameters.element == ElementKind::serendipity;
+      if (is_serendipity && parameters.degree != 2)
+        throw std::invalid_argument(
+            fmt::format("problem: degree = {} must be 2 for a serendipity element", parameters.degree));
+      // Fewer points leave the Lagrange element modes without strain that its neighbours share.
+      const unsigned int fewest = is_serendipity ? 2 : parameters.degree + 1;
+      if (parameters.n_gauss_points != 0 &&
+          (parameters.n_gauss_points < fewest || parameters.n_gauss_points > parameters.degree + 1))
+        throw std::invalid_argument(
+            fmt::format("problem: Gauss points = {} must be 0 or from {} to {} for this element",
+                        parameters.n_gauss_points, fewest, parameters.degree + 1));
       if (!(parameters.newton.tolerance > 0. && parameters.newton.tolerance < 1.))
         throw std::invalid_argument(
             fmt::format("problem: Newton tolerance = {} must lie in (0, 1)", parameters.newton.tolerance));
       if (!(parameters.unit_weight >= 0.))
         throw std::invalid_argument(fmt::format("problem: unit weight = {} must be >= 0", parameters.unit_weight));
+    }
+
+    template <int dim>
+    std::unique_ptr<dealii::FiniteElement<dim>> make_element(const ProblemParameters &parameters)
+    {
+      check_parameters(parameters);
+      if (parameters.element == ElementKind::serendipity)
+        return std::make_unique<SerendipityElement<dim>>();
+      return std::make_unique<dealii::FE_Q<dim>>(parameters.degree);
     }
   } // namespace
 
@@ -37,14 +59,14 @@ namespace fem
                                               const ProblemParameters &parameters, ConstitutiveModel &material,
                                               const StressField &initial_stress)
       : parameters_(parameters), material_(material), mesh_(std::move(mesh)),
-        element_(dealii::FE_Q<dim>(parameters.degree), dim),
+        element_(*make_element<dim>(parameters), dim),
         mapping_(std::make_unique<dealii::MappingQ<dim>>(parameters.degree)), dof_handler_(*mesh_.triangulation),
         newton_(parameters.newton), linear_solver_(parameters.linear_solver)
   {
-    check_parameters(parameters_);
     number_unknowns();
-    assembly_ = std::make_unique<Assembly<dim>>(dof_handler_, *mapping_, parameters_.geometry, parameters_.kinematics,
-                                                parameters_.dilatation);
+    assembly_ = std::make_unique<Assembly<dim>>(
+        dof_handler_, *mapping_, parameters_.geometry, parameters_.kinematics,
+        parameters_.n_gauss_points > 0 ? parameters_.n_gauss_points : parameters_.degree + 1, parameters_.dilatation);
     boundary_ =
         std::make_unique<BoundaryConditions<dim>>(dof_handler_, *mapping_, parameters_.geometry,
                                                   BoundaryNames{mesh_.boundary_ids, mesh_.interface_ids}, conditions);
@@ -211,6 +233,16 @@ namespace fem
           worst = static_cast<int>(Status::failed);
       }
     return static_cast<Status>(dealii::Utilities::MPI::max(worst, get_communicator()));
+  }
+
+  template <int dim>
+  double QuasiStaticProblem<dim>::compute_largest_unbalanced_ratio() const
+  {
+    double largest = -1.;
+    for (const PointResponse &response : responses_)
+      largest = std::max(largest, std::isnan(response.unbalanced_ratio) ? -1. : response.unbalanced_ratio);
+    largest = dealii::Utilities::MPI::max(largest, get_communicator());
+    return largest < 0. ? std::numeric_limits<double>::quiet_NaN() : largest;
   }
 
   template <int dim>

@@ -18,11 +18,19 @@
 
 namespace fem
 {
+  enum class ElementKind
+  {
+    lagrange,   ///< nodes inside too: 4 or 9 in two dimensions, 8 or 27 in three
+    serendipity ///< of degree 2, nodes at corners and edges: 8 or 20
+  };
+
   struct ProblemParameters
   {
     Geometry geometry = Geometry::axisymmetric;
     Kinematics kinematics = Kinematics::finite;
-    unsigned int degree = 1; ///< of the elements, 1 or 2; degree + 1 Gauss points a direction
+    unsigned int degree = 1; ///< of the elements, 1 or 2
+    ElementKind element = ElementKind::lagrange;
+    unsigned int n_gauss_points = 0; ///< along each direction of an element; 0: degree + 1
     Dilatation dilatation = Dilatation::point;
     double unit_weight = 0.; ///< of all cells that are present, per initial volume, downwards along z [N/m^3], >= 0
     std::set<dealii::types::material_id> pile_regions; ///< the mesh's numbers of what is pile and not ground
@@ -102,6 +110,10 @@ namespace fem
     /** How far the committed state is from equilibrium under its own weight: norm of the free residual over the norm of
      *  all nodal weights [-]; NaN without weight. Asks the material at no increment. */
     double compute_unbalanced_share();
+
+    /** Of the material's points at their last answers, which tell how far they were from rest [-]; NaN where none does.
+     */
+    double compute_largest_unbalanced_ratio() const;
 
     /** Forces and displacements of the named boundaries and interfaces at the last equilibrium. */
     std::vector<BoundaryResponse> compute_boundary_responses() const;

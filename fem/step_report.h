@@ -50,6 +50,8 @@ namespace fem
     double length = 0.;                                              ///< [s]
     StepBound bound = StepBound::milestone;
     StepEffects effects;
+    double unbalanced_ratio = std::numeric_limits<double>::quiet_NaN(); ///< largest of all points at the last
+                                                                        ///< equilibrium [-]; NaN where none says
     bool is_output = false; ///< an output time, an increment of a load stage, or a stage's end
     bool is_stage_end = false;
     std::vector<BoundaryResponse> boundaries;

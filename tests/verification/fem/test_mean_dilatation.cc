@@ -76,7 +76,7 @@ namespace fem::cases::mean_dilatation // names of its own: several tests are one
       Ring() : mesh(create_mesh<2>(get_ring(3), Geometry::axisymmetric, MPI_COMM_SELF)), dofs(*mesh.triangulation)
       {
         dofs.distribute_dofs(element);
-        assembly = std::make_unique<Assembly<2>>(dofs, mapping, Geometry::axisymmetric, Kinematics::finite,
+        assembly = std::make_unique<Assembly<2>>(dofs, mapping, Geometry::axisymmetric, Kinematics::finite, 2,
                                                  Dilatation::cell_mean);
       }
 
