@@ -1,14 +1,15 @@
 # shellcheck shell=bash
-# Sourced by engine.sh and scaling.sh: installs the peers, builds our program, makes the packing.
-# Sets $program beside what programs.sh sets.
+# Sourced by engine.sh, scaling.sh and coupled.sh: installs the peers (packages in the array peers, else the DEM codes),
+# builds our program, makes the packing. Sets $program beside what programs.sh sets.
 # shellcheck source=tests/benchmarks/programs.sh
 . "$(dirname "${BASH_SOURCE[0]}")/programs.sh"
 program=$build/tests/engine_benchmark
+[ -n "${peers+set}" ] || peers=(lammps yade liggghts)
 
 install_peers()
 {
   local package missing=() as_root=()
-  for package in lammps yade liggghts; do
+  for package in "${peers[@]}"; do
     dpkg-query -W -f='${db:Status-Status}\n' "$package" 2>/dev/null | grep -qx installed || missing+=("$package")
   done
   [ ${#missing[@]} -gt 0 ] || return 0
