@@ -165,11 +165,14 @@ TEST(RevMaterial, BreakageOfAPointIsThatOfItsGrains)
       }
   };
   expect_measures(material);
-  EXPECT_GT(n_broken, 0.); // in consolidation, in one of the two
-  strain(material, -4e-3);
-  material.settle(true);
-  material.commit();
+  for (int i = 0; i < 10; ++i)
+    {
+      strain(material, -4e-3);
+      material.settle(true);
+      material.commit();
+    }
   expect_measures(material);
+  EXPECT_GT(n_broken, 0.); // at 4 % of strain, some tens of MPa
 
   const ScratchFolder folder;
   const std::string file = folder.get_file("checkpoint.h5");
