@@ -49,6 +49,7 @@ namespace coupling
       visit("local_damping", model.dynamics.motion.local_damping);
       visit("time_step_share", model.dynamics.motion.time_step_share);
       visit("skin_share", model.dynamics.skin_share);
+      visit("precision", model.dynamics.precision);
       visit("unbalanced_ratio", model.equilibrium.unbalanced_ratio);
       visit("stress_tolerance", model.equilibrium.stress_tolerance);
       visit("fixed_cycles", model.equilibrium.fixed_cycles);
