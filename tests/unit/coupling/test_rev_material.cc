@@ -37,6 +37,22 @@ namespace
     return fields;
   }
 
+  void write_checkpoint(const RevMaterial &material, const std::string &file)
+  {
+    if (material.get_pool().get_rank() == 0)
+      dem::create_file(file);
+    material.save(file);
+  }
+
+  std::unique_ptr<RevMaterial> resume(coupling::RevMaterialParameters parameters, const std::string &file)
+  {
+    parameters.is_resumed = true;
+    auto material = std::make_unique<RevMaterial>(parameters, rev_sample::make_pool());
+    material->initialise(rev_sample::make_sites());
+    material->load(file);
+    return material;
+  }
+
   std::vector<fem::PointResponse> strain(RevMaterial &material, const double axial)
   {
     dealii::Tensor<2, 3> increment(dealii::unit_symmetric_tensor<3>());
@@ -89,15 +105,10 @@ TEST(RevMaterial, SaveAndLoadReturnEveryBit)
   strain(material, -3e-3);
   material.settle(true);
   material.commit();
-  if (material.get_pool().get_rank() == 0)
-    dem::create_file(file);
-  material.save(file);
+  write_checkpoint(material, file);
 
-  auto parameters = rev_sample::make_parameters();
-  parameters.is_resumed = true;
-  RevMaterial other(parameters, rev_sample::make_pool());
-  other.initialise(rev_sample::make_sites());
-  other.load(file);
+  const auto resumed = resume(rev_sample::make_parameters(), file);
+  RevMaterial &other = *resumed;
   EXPECT_EQ(sum_up_states(other), sum_up_states(material));
   EXPECT_EQ(compute_fields_without_cost(other, 8), compute_fields_without_cost(material, 8));
   const auto here = strain(material, -1e-3), there = strain(other, -1e-3);
@@ -117,14 +128,10 @@ TEST(RevMaterial, SaveAndLoadReturnWhatIsPending)
   material.settle(true);
   material.commit();
   ASSERT_EQ(material.compute_totals().n_lazy, 2u);
-  if (material.get_pool().get_rank() == 0)
-    dem::create_file(file);
-  material.save(file);
+  write_checkpoint(material, file);
 
-  parameters.is_resumed = true;
-  RevMaterial other(parameters, rev_sample::make_pool());
-  other.initialise(rev_sample::make_sites());
-  other.load(file);
+  const auto resumed = resume(parameters, file);
+  RevMaterial &other = *resumed;
   EXPECT_EQ(sum_up_states(other), sum_up_states(material));
   EXPECT_EQ(compute_fields_without_cost(other, 8), compute_fields_without_cost(material, 8));
   for (const double axial : {-1e-6, -1e-3}) // from the tangents, then from the grains
@@ -176,14 +183,9 @@ TEST(RevMaterial, BreakageOfAPointIsThatOfItsGrains)
 
   const ScratchFolder folder;
   const std::string file = folder.get_file("checkpoint.h5");
-  if (material.get_pool().get_rank() == 0)
-    dem::create_file(file);
-  material.save(file);
-  auto parameters = rev_sample::make_parameters();
-  parameters.is_resumed = true;
-  RevMaterial other(parameters, rev_sample::make_pool());
-  other.initialise(rev_sample::make_sites());
-  other.load(file);
+  write_checkpoint(material, file);
+  const auto resumed = resume(rev_sample::make_parameters(), file);
+  RevMaterial &other = *resumed;
   expect_measures(other);
 }
 
