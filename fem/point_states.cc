@@ -71,15 +71,21 @@ namespace fem
     PointState state;
     state.id = requests_[index].id;
     state.position = positions_[index];
-    state.deformation = committed_deformations_[index];
-    if (parameters_.kinematics == Kinematics::finite)
-      state.deformation *= assembly_->compute_dilatation_factor(committed_deformations_, index);
-    else
-      state.deformation += assembly_->compute_dilatation_shift(committed_deformations_, index) *
-                           dealii::Tensor<2, 3>(dealii::unit_symmetric_tensor<3>());
+    state.deformation = average_deformation(committed_deformations_, index);
     state.stress = committed_stresses_[index];
     state.strain = compute_strain(state.deformation);
     return state;
+  }
+
+  template <int dim>
+  dealii::Tensor<2, 3>
+  QuasiStaticProblem<dim>::average_deformation(const std::vector<dealii::Tensor<2, 3>> &deformations,
+                                               std::size_t index) const
+  {
+    if (parameters_.kinematics == Kinematics::finite)
+      return assembly_->compute_dilatation_factor(deformations, index) * deformations[index];
+    return deformations[index] + assembly_->compute_dilatation_shift(deformations, index) *
+                                     dealii::Tensor<2, 3>(dealii::unit_symmetric_tensor<3>());
   }
 
   template <int dim>
@@ -100,7 +106,8 @@ namespace fem
     for (std::size_t i = 0; i < requests_.size(); ++i)
       if (is_ground(i))
         {
-          const auto strain = compute_strain(baseline_deformations_[i]) - compute_strain(committed_deformations_[i]);
+          const auto strain = compute_strain(average_deformation(baseline_deformations_, i)) -
+                              compute_strain(average_deformation(committed_deformations_, i));
           const double change = (responses_[i].stress - committed_stresses_[i]).norm();
           const double scale = std::max(mean, committed_stresses_[i].norm());
           effects.strain = std::max(effects.strain, strain.norm());

@@ -182,6 +182,8 @@ namespace fem
     void compute_residual(const Vector &increment, Vector &residual);
     Vector condense(const Vector &residual) const;
     PointState compute_point_state(std::size_t index) const;
+    dealii::Tensor<2, 3> average_deformation(const std::vector<dealii::Tensor<2, 3>> &deformations,
+                                             std::size_t index) const; // as the point's material is given it
     dealii::SymmetricTensor<2, 3> compute_strain(const dealii::Tensor<2, 3> &deformation) const;
     void set_followers_to_zero(Vector &vector) const;
     void enter_pile();

@@ -38,25 +38,45 @@ namespace fem::cases::mean_dilatation // names of its own: several tests are one
       return 2. * (lambda + G) * ratio * B - 2. * G * B / (r * r);
     }
 
-    /** Largest error of the radial stress at a Gauss point over that of the wall [-]. */
-    double compute_worst_error(Dilatation dilatation, unsigned int n_cells)
+    ProblemParameters get_parameters(Dilatation dilatation)
     {
       ProblemParameters parameters = get_exact_parameters(Geometry::axisymmetric, Kinematics::small, 1);
       parameters.dilatation = dilatation;
       parameters.newton.tolerance = 1e-8; // bulk over shear modulus is 5000: rounding
-      ElasticMaterial material(rubber, MPI_COMM_SELF);
-      QuasiStaticProblem<2> problem(create_mesh<2>(get_ring(n_cells), Geometry::axisymmetric, MPI_COMM_SELF),
-                                    {{"inner", ConditionKind::displacement, "x"},
-                                     {"bottom", ConditionKind::displacement, "z"},
-                                     {"top", ConditionKind::displacement, "z"}},
-                                    parameters, material);
-      const NewtonResult result = problem.equilibrate({widening, 0., 0.}, true);
-      EXPECT_EQ(result.status, EquilibriumStatus::converged);
-      EXPECT_LE(result.evaluations, 3u); // a linear problem: the stiffness is that of the forces
-      problem.move_baseline();
-      problem.commit();
+      return parameters;
+    }
+
+    /** The ring, not yet widened. */
+    struct Hole
+    {
+      Hole(Dilatation dilatation, unsigned int n_cells)
+          : problem(create_mesh<2>(get_ring(n_cells), Geometry::axisymmetric, MPI_COMM_SELF),
+                    {{"inner", ConditionKind::displacement, "x"},
+                     {"bottom", ConditionKind::displacement, "z"},
+                     {"top", ConditionKind::displacement, "z"}},
+                    get_parameters(dilatation), material)
+      {}
+
+      void widen()
+      {
+        const NewtonResult result = problem.equilibrate({widening, 0., 0.}, true);
+        EXPECT_EQ(result.status, EquilibriumStatus::converged);
+        EXPECT_LE(result.evaluations, 3u); // a linear problem: the stiffness is that of the forces
+        problem.move_baseline();
+      }
+
+      ElasticMaterial material{rubber, MPI_COMM_SELF};
+      QuasiStaticProblem<2> problem;
+    };
+
+    /** Largest error of the radial stress at a Gauss point over that of the wall [-]. */
+    double compute_worst_error(Dilatation dilatation, unsigned int n_cells)
+    {
+      Hole hole(dilatation, n_cells);
+      hole.widen();
+      hole.problem.commit();
       double worst = 0.;
-      for (const PointState &point : problem.compute_point_states())
+      for (const PointState &point : hole.problem.compute_point_states())
         worst = std::max(worst, std::abs(point.stress[0][0] - compute_radial_stress(point.position[0])));
       return worst / std::abs(compute_radial_stress(a));
     }
@@ -136,6 +156,19 @@ namespace fem::cases::mean_dilatation // names of its own: several tests are one
     EXPECT_LT(fine, 0.6 * coarse); // first order in the cell's size: pressure is one number a cell
     EXPECT_LT(coarse, 0.2);        // a cell spans a fifth of the wall's radius, stress falls with its square
     EXPECT_GT(own, 5. * coarse);   // what the option is for
+  }
+
+  TEST(MeanDilatation, AStepHasTheStrainThatMaterialsAreGiven)
+  {
+    // Law: the strain that a step is judged by is the change of what its points report.
+    Hole hole(Dilatation::cell_mean, 4);
+    hole.widen();
+    const double of_step = hole.problem.compute_step_effects().strain;
+    hole.problem.commit();
+    double largest = 0.;
+    for (const PointState &point : hole.problem.compute_point_states())
+      largest = std::max(largest, point.strain.norm());
+    EXPECT_DOUBLE_EQ(of_step, largest);
   }
 
   TEST(MeanDilatation, ForcesOfAPressureAreTheGradientOfTheVolume)
