@@ -50,20 +50,8 @@ namespace dem
   {
     Team alone(1);
     ContactNetwork network;
-    NetworkBuilder().build(state, skin, alone, network);
+    NetworkBuilder().build(state, std::vector<double>(state.grains.size(), 0.5 * skin), alone, network);
     return network;
-  }
-
-  double compute_used_skin(const ContactNetwork &network, const Cell &cell, const Grains &grains)
-  {
-    double farthest = 0.;
-    for (std::size_t i = 0; i < grains.size(); ++i)
-      {
-        const Vector step = to_vector(grains.place[i]) - to_vector(network.place_when_built[i]);
-        farthest = std::max(farthest, (cell.edges * step).squaredNorm());
-      }
-    const Matrix strain = cell.edges * network.edges_when_built.inverse() - Matrix::Identity();
-    return 2. * std::sqrt(farthest) + strain.norm() * network.reach;
   }
 
   std::vector<ContactMemory> collect_memories(const ContactNetwork &network)

@@ -49,8 +49,8 @@ namespace dem
   };
 
   /**
-   * The pairs that may touch, grain a before grain b, and what touching pairs remember. Valid until a grain has moved
-   * half the skin. Built from a state alone, by a fixed rule: the order of pairs is the order in which forces are
+   * The pairs that may touch, grain a before grain b, and what touching pairs remember. Valid until a grain has used up
+   * its skin (Skins). Built from a state alone, by a fixed rule: the order of pairs is the order in which forces are
    * summed, and a restart must find the same.
    *
    * Each list is filled up to whole vectors of lanes with grains beside themselves, which touch nothing.
@@ -69,8 +69,8 @@ namespace dem
 
     std::vector<WallPair> wall_pairs; ///< by the grain's place, then by the wall's
 
-    double skin = 0., reach = 0.; ///< [m]
-    std::vector<Row> place_when_built;
+    double reach = 0.;                 ///< the largest of a pair, skins included [m]
+    std::vector<Row> place_when_built; ///< w: radius plus the grain's own skin [m]
     Matrix edges_when_built = Matrix::Identity();
     std::size_t n_far = 0; ///< room for far pairs
 
@@ -88,13 +88,10 @@ namespace dem
    *  image of what a grain touches to be that grain itself. */
   bool is_wide_enough(const Cell &cell, double reach);
 
-  /** For who builds once, by the calling thread alone (NetworkBuilder builds again and again).
+  /** For who builds once and for one skin of all pairs [m], by the calling thread alone (NetworkBuilder builds again and again).
    *
    * @pre is_wide_enough(state.cell, compute_reach(state.grains, skin)) */
   ContactNetwork build_contact_network(const RevState &state, double skin);
-
-  /** How much of the skin has been used up [m]; a pair outside the network may touch once this exceeds the skin. */
-  double compute_used_skin(const ContactNetwork &network, const Cell &cell, const Grains &grains);
 
   /** What its touching pairs remember, in the network's order; walls after all grains. */
   std::vector<ContactMemory> collect_memories(const ContactNetwork &network);

@@ -75,6 +75,7 @@ namespace dem
         const Stopwatch watch(profile_[Part::search]);
         sort_in_space(state_);
       }
+    skins_.set_alike(state_.grains, rule_.skin_share * compute_mean_radius(state_.grains));
     build_network();
   }
 
@@ -84,29 +85,39 @@ namespace dem
     reduce_lattice(state_);
     if (single_)
       round_places(state_.grains);
-    const double skin = rule_.skin_share * compute_mean_radius(state_.grains);
-    is_wide_enough_ = dem::is_wide_enough(state_.cell, compute_reach(state_.grains, skin));
-    if (is_wide_enough_)
-      builder_.build(state_, skin, team_, network_);
-    if (is_wide_enough_ && single_)
+    is_wide_enough_ = dem::is_wide_enough(state_.cell, compute_reach(state_.grains, skins_.get_usual()));
+    if (!is_wide_enough_)
+      return;
+    builder_.build(state_, skins_.get_values(), team_, network_);
+    skins_.begin(network_);
+    if (single_)
       single_->load(state_, network_, team_);
-    travel_ = 0.;
   }
 
   void Dynamics::update_network()
   {
-    // The bound on travel is cheap; the exact check is made only once the bound says that it might matter. Where places
-    // are no numbers nothing is looked for: is_finite() tells.
-    if (!(travel_ > 0.5 * network_.skin))
+    if (!is_wide_enough_ || !is_network_due())
       return;
     if (single_)
       single_->write_grains(network_, state_.grains);
-    const double used = compute_used_skin(network_, state_.cell, state_.grains);
-    travel_ = 0.5 * used;
-    if (!(used > 0.8 * network_.skin))
-      return;
+    skins_.adapt(network_, state_.cell, state_.grains);
     store_contacts();
     build_network();
+  }
+
+  /** Bounds are cheap; grains are looked at only where those say that it might matter. Where places are no numbers
+   *  nothing is looked for: is_finite() tells. */
+  bool Dynamics::is_network_due()
+  {
+    bool is_due = false;
+    for (std::size_t k = 0; k < network_.blocks.size(); ++k)
+      if (skins_.is_in_doubt(k))
+        {
+          if (single_)
+            single_->write_block(network_, network_.blocks[k], state_.grains);
+          is_due |= skins_.look(k, network_, state_.cell, state_.grains);
+        }
+    return is_due;
   }
 
   void Dynamics::compute_forces()
@@ -180,8 +191,7 @@ namespace dem
 
   void Dynamics::strain(const Matrix &increment)
   {
-    const double step = *std::max_element(block_steps_.begin(), block_steps_.end());
-    travel_ += step + 0.5 * increment.norm() * network_.reach;
+    skins_.add_cycle(network_, block_steps_, increment.norm());
     assert(!state_.cell.has_walls() || increment.isDiagonal(0.));
     if (!increment.isZero(0.))
       state_.cell.deform(Matrix::Identity() + increment);
@@ -230,7 +240,8 @@ namespace dem
 
   std::size_t Dynamics::count_bytes() const
   {
-    return network_.count_bytes() + builder_.count_bytes() + (single_ ? single_->count_bytes() : 0) +
+    return network_.count_bytes() + builder_.count_bytes() + skins_.count_bytes() +
+           (single_ ? single_->count_bytes() : 0) +
            dem::count_bytes(forces_.force, forces_.torque, forces_.largest_stress, forces_.far_force,
                             forces_.far_torque, forces_.passing_force, forces_.passing_torque, forces_.normal_force,
                             forces_.overlap, forces_.block_sums);

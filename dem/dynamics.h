@@ -4,6 +4,7 @@
 #include "dem/network_builder.h"
 #include "dem/precision.h"
 #include "dem/profile.h"
+#include "dem/skins.h"
 
 #include <memory>
 
@@ -88,6 +89,7 @@ namespace dem
   private:
     void build_network();
     void update_network();
+    bool is_network_due();
     void move_block(std::size_t k, const ForceRows &rows);
     void move_block(std::size_t k, const TwinRow *forces);
 
@@ -96,6 +98,7 @@ namespace dem
     const DynamicsRule rule_;
     NetworkBuilder builder_;
     ContactNetwork network_;
+    Skins skins_;
     Forces forces_;
     Kinetics kinetics_;
     std::unique_ptr<SingleDynamics> single_; ///< none: double precision
@@ -104,7 +107,6 @@ namespace dem
     Team team_;
     std::vector<double> block_steps_; // largest step of a grain in each block [m]
     bool has_masses_ = false;
-    double travel_ = 0.; // bound on any grain's way since the network was built [m]
     bool is_wide_enough_ = true;
     std::size_t n_cycles_ = 0;
     Profile profile_;

@@ -86,14 +86,13 @@ namespace dem
     return search_.count_bytes() + dem::count_bytes(sorts_, place_of_pair_, layouts_, incoming_);
   }
 
-  void NetworkBuilder::build(const RevState &state, const double skin, Team &team, ContactNetwork &network)
+  void NetworkBuilder::build(const RevState &state, const std::span<const double> skins, Team &team,
+                             ContactNetwork &network)
   {
-    network.skin = skin;
-    network.reach = compute_reach(state.grains, skin);
-    network.place_when_built = state.grains.place;
+    set_reaches(state, skins, network);
     network.edges_when_built = state.cell.edges;
     make_blocks(network, state.grains.size());
-    pairs_ = &search_.list_near_pairs(state.cell, state.grains.place, skin, team);
+    pairs_ = &search_.list_near_pairs(state.cell, network.place_when_built, 0., team);
     sorts_.resize(pairs_->size());
     place_of_pair_.resize(pairs_->size());
     const std::size_t n_blocks = network.blocks.size();
@@ -105,7 +104,16 @@ namespace dem
     find_neighbours(network);
     restore_memories(state, team, network);
     take_creep_off(network, state);
-    network.wall_pairs = list_wall_pairs(state, skin);
+    network.wall_pairs = list_wall_pairs(state, network.place_when_built);
+  }
+
+  void NetworkBuilder::set_reaches(const RevState &state, const std::span<const double> skins, ContactNetwork &network)
+  {
+    network.place_when_built = state.grains.place;
+    double largest = 0.;
+    for (std::size_t i = 0; i < skins.size(); ++i)
+      largest = std::max(largest, network.place_when_built[i].w += skins[i]);
+    network.reach = 2. * largest;
   }
 
   /** Far or near and which touch: vectors of pairs that are apart are done with once that is seen. */

@@ -6,14 +6,18 @@
 namespace dem
 {
   /**
-   * Builds contact networks, which the threads of a team share block by block; the network depends on state and skin
+   * Builds contact networks, which the threads of a team share block by block; the network depends on state and skins
    * alone. Keeps its memory from one network to the next, as the network does: it is built thousands of times.
    */
   class NetworkBuilder
   {
   public:
-    /** @pre is_wide_enough(state.cell, compute_reach(state.grains, skin)) */
-    void build(const RevState &state, double skin, Team &team, ContactNetwork &network);
+    /**
+     * @param skins  of each grain [m]: pairs closer than both radii and both skins are in the network
+     *
+     * @pre is_wide_enough(state.cell, twice the largest sum of radius and skin)
+     */
+    void build(const RevState &state, std::span<const double> skins, Team &team, ContactNetwork &network);
 
     std::size_t count_bytes() const; ///< memory that it holds
 
@@ -34,6 +38,7 @@ namespace dem
       std::array<std::size_t, n_sorts> n; ///< pairs of each sort
     };
 
+    static void set_reaches(const RevState &state, std::span<const double> skins, ContactNetwork &network);
     void sort_block(const RevState &state, const GrainBlock &block, Layout &layout);
     void lay_out_blocks(ContactNetwork &network) const;
     void fill_block(const RevState &state, std::size_t k, ContactNetwork &network);

@@ -26,7 +26,14 @@ namespace dem
 
     const TwinRow *get_forces() const { return force_.data(); }
 
-    void write_grains(const ContactNetwork &network, Grains &grains) const { grains_.write(network, grains); }
+    void write_grains(const ContactNetwork &network, Grains &grains) const
+    {
+      grains_.write(network, 0, grains.size(), grains);
+    }
+    void write_block(const ContactNetwork &network, const GrainBlock &block, Grains &grains) const
+    {
+      grains_.write(network, block.grain_begin, block.grain_end, grains);
+    }
     void write_forces(Forces &forces) const;
     void write_shear(ContactNetwork &network) const { dem::write_shear(packs_, network); }
 

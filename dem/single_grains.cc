@@ -40,9 +40,10 @@ namespace dem
       }
   }
 
-  void SingleGrains::write(const ContactNetwork &network, Grains &grains) const
+  void SingleGrains::write(const ContactNetwork &network, const std::size_t begin, const std::size_t end,
+                           Grains &grains) const
   {
-    for (std::size_t i = 0; i < grains.size(); ++i)
+    for (std::size_t i = begin; i < end; ++i)
       {
         const Row &then = network.place_when_built[i];
         Row &place = grains.place[i], &velocity = grains.velocity[i], &spin = grains.spin[i];

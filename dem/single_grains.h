@@ -37,8 +37,8 @@ namespace dem
     /** Takes grains whose network has just been built. */
     void load(const Grains &grains);
 
-    /** Tells the double arrays where grains are and how they move. */
-    void write(const ContactNetwork &network, Grains &grains) const;
+    /** Tells the double arrays where grains `begin` to `end` are and how they move. */
+    void write(const ContactNetwork &network, std::size_t begin, std::size_t end, Grains &grains) const;
   };
 
   /** Moves grains to the nearest whole count: from then on single precision loses nothing of where they are. */

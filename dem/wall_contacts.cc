@@ -90,7 +90,7 @@ namespace dem
     }
   } // namespace
 
-  std::vector<WallPair> list_wall_pairs(const RevState &state, const double skin)
+  std::vector<WallPair> list_wall_pairs(const RevState &state, const std::span<const Row> reaches)
   {
     std::vector<WallPair> pairs;
     if (!state.cell.has_walls())
@@ -102,7 +102,7 @@ namespace dem
         first[i] = pairs.size();
         const Row &place = state.grains.place[i];
         for (std::uint32_t wall = 0; wall < n_walls; ++wall)
-          if (compute_distance_to_wall(state.cell, place, wall) < place.w + skin)
+          if (compute_distance_to_wall(state.cell, place, wall) < 2. * reaches[i].w - place.w)
             pairs.push_back(
                 {i, wall, Vector::Zero(), PairStatus::is_apart, find_crept_overlap(state, i, to_partner(wall))});
       }

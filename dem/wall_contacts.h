@@ -6,8 +6,8 @@
 namespace dem
 {
   /** Grains that may touch a wall, in their order, with what those that touch remember. Empty where there is no wall.
-   *  Valid as long as the contact network with that skin. */
-  std::vector<WallPair> list_wall_pairs(const RevState &state, double skin);
+   *  Valid as long as the contact network with those skins. @param reaches  w: radius plus skin of each grain [m] */
+  std::vector<WallPair> list_wall_pairs(const RevState &state, std::span<const Row> reaches);
 
   /** All that is known of a grain and a wall that touch: the branch goes to the foot of the centre on the wall. */
   Contact make_wall_contact(const RevState &state, const ContactMemory &memory, const ContactLaw &law);

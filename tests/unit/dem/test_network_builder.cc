@@ -31,11 +31,16 @@ namespace
     return state;
   }
 
+  std::vector<double> make_skins(const RevState &state)
+  {
+    return std::vector<double>(state.grains.size(), 0.5 * skin);
+  }
+
   ContactNetwork build(const RevState &state, const std::size_t n_threads)
   {
     Team team(n_threads);
     ContactNetwork network;
-    NetworkBuilder().build(state, skin, team, network);
+    NetworkBuilder().build(state, make_skins(state), team, network);
     return network;
   }
 
@@ -53,8 +58,8 @@ namespace
       for (const RevState *before : {&smaller, &larger})
         {
           Team team(n_threads);
-          builder.build(*before, skin, team, network);
-          builder.build(state, skin, team, network);
+          builder.build(*before, make_skins(*before), team, network);
+          builder.build(state, make_skins(state), team, network);
           EXPECT_EQ(network.a, expected.a);
           EXPECT_EQ(network.b, expected.b);
           EXPECT_EQ(network.row_b, expected.row_b);
