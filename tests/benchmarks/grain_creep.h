@@ -30,7 +30,7 @@ namespace benchmarks
     for (std::size_t cycle = 0; cycle <= rule.rest.cycle_cap; ++cycle)
       {
         const bool is_checked = cycle % 10 == 0;
-        if (!loop || (is_checked && loop->compute_used_skin() > 0.5 * rule.skin))
+        if (!loop || (is_checked && loop->compute_used_share_of_skin() > 0.5))
           {
             if (loop)
               state = loop->store();

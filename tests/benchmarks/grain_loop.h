@@ -3,6 +3,7 @@
 #include "tests/benchmarks/grain_places.h"
 
 #include "dem/motion.h"
+#include "dem/skins.h"
 
 #include <algorithm>
 #include <cmath>
@@ -112,7 +113,11 @@ namespace benchmarks
     /** As dem::Dynamics has it [Pa]. */
     double compute_stiffness() const { return stiffness_moment_ / (3. * state_.cell.compute_volume()); }
 
-    double compute_used_skin() const { return dem::compute_used_skin(network_, state_.cell, store().grains); }
+    /** Of the grain that has used up most of its own [-]. */
+    double compute_used_share_of_skin() const
+    {
+      return dem::compute_skin_use(network_, state_.cell, store().grains, 0, grains_.size()).share;
+    }
 
     /** Kinetic energy at the time of the present places plus energy stored by the normal forces [J]. */
     double compute_energy() const
