@@ -50,6 +50,7 @@ SERIES = (
     Series("more steps", "bvp_pile_small.prm", {"Loading/Stage 5/First output": "1", "Loading/Stage 5/Steps per decade": "8"}),
     Series("400 grains", "bvp_pile_small.prm", {"Packing/Grains": "400"}),
     Series("fine mesh", "bvp_pile_small.prm", {"Mesh/File": "meshes/pile_fine.msh"}),
+    Series("large", "bvp_pile.prm"),
 )
 
 
