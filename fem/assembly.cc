@@ -2,7 +2,6 @@
 
 #include <deal.II/dofs/dof_tools.h>
 #include <deal.II/fe/fe.h>
-#include <deal.II/fe/mapping.h>
 #include <deal.II/grid/tria.h>
 
 #include <cmath>
@@ -42,13 +41,13 @@ namespace fem
   Assembly<dim>::Assembly(const dealii::DoFHandler<dim> &dof_handler, const dealii::Mapping<dim> &mapping,
                           Geometry geometry, Kinematics kinematics, const unsigned int n_gauss_points,
                           const Dilatation dilatation)
-      : dof_handler_(dof_handler), mapping_(mapping), geometry_(geometry), kinematics_(kinematics),
-        dilatation_(dilatation), quadrature_(n_gauss_points)
+      : dof_handler_(dof_handler), geometry_(geometry), kinematics_(kinematics), dilatation_(dilatation),
+        quadrature_(n_gauss_points), shapes_(dof_handler, mapping, quadrature_)
   {
     if (dilatation_ == Dilatation::cell_mean)
-      for_each_cell([&](const Cell &, const dealii::FEValues<dim> &values, std::size_t) {
-        for (const unsigned int q : values.quadrature_point_indices())
-          initial_volumes_.push_back(values.JxW(q) * compute_depth(geometry_, values.quadrature_point(q)[0]));
+      for_each_cell([&](const Cell &, const std::size_t first_point) {
+        for (std::size_t p = first_point; p < first_point + quadrature_.size(); ++p)
+          initial_volumes_.push_back(compute_initial_volume(p));
       });
   }
 
@@ -56,43 +55,47 @@ namespace fem
   template <class Work>
   void Assembly<dim>::for_each_cell(const Work &work) const
   {
-    dealii::FEValues<dim> values(mapping_, dof_handler_.get_fe(), quadrature_,
-                                 dealii::update_values | dealii::update_gradients | dealii::update_quadrature_points |
-                                     dealii::update_JxW_values);
     std::size_t first_point = 0;
     for (const auto &cell : dof_handler_.active_cell_iterators())
       if (cell->is_locally_owned())
         {
-          values.reinit(cell);
-          work(cell, values, first_point);
+          work(cell, first_point);
           first_point += quadrature_.size();
         }
   }
 
   template <int dim>
-  void Assembly<dim>::compute_shape_gradients(const dealii::FEValues<dim> &values, unsigned int point,
-                                              const Tensor<2, 3> &deformation,
+  Tensor<2, 3> Assembly<dim>::compute_initial_gradient(const std::size_t point, const unsigned int unknown) const
+  {
+    return embed_gradient<dim>(geometry_, shapes_.get_component(unknown), shapes_.get_value(point, unknown),
+                               shapes_.get_gradient(point, unknown), shapes_.get_position(point)[0]);
+  }
+
+  template <int dim>
+  void Assembly<dim>::compute_shape_gradients(const std::size_t point, const Tensor<2, 3> &deformation,
                                               std::vector<Tensor<2, 3>> &gradients) const
   {
-    const auto &element = dof_handler_.get_fe();
-    const double radius = values.quadrature_point(point)[0];
     const bool is_finite = kinematics_ == Kinematics::finite;
     const Tensor<2, 3> pull = is_finite ? dealii::invert(deformation) : Tensor<2, 3>();
-    gradients.resize(element.n_dofs_per_cell());
+    gradients.resize(dof_handler_.get_fe().n_dofs_per_cell());
     for (unsigned int i = 0; i < gradients.size(); ++i)
       {
-        gradients[i] = embed_gradient<dim>(geometry_, element.system_to_component_index(i).first,
-                                           values.shape_value(i, point), values.shape_grad(i, point), radius);
+        gradients[i] = compute_initial_gradient(point, i);
         if (is_finite)
           gradients[i] = gradients[i] * pull;
       }
   }
 
   template <int dim>
-  double Assembly<dim>::compute_volume_element(const dealii::FEValues<dim> &values, unsigned int point,
-                                               const Tensor<2, 3> &deformation) const
+  double Assembly<dim>::compute_initial_volume(const std::size_t point) const
   {
-    const double initial = values.JxW(point) * compute_depth(geometry_, values.quadrature_point(point)[0]);
+    return shapes_.get_measure(point) * compute_depth(geometry_, shapes_.get_position(point)[0]);
+  }
+
+  template <int dim>
+  double Assembly<dim>::compute_volume_element(const std::size_t point, const Tensor<2, 3> &deformation) const
+  {
+    const double initial = compute_initial_volume(point);
     return kinematics_ == Kinematics::finite ? initial * dealii::determinant(deformation) : initial;
   }
 
@@ -149,15 +152,15 @@ namespace fem
   }
 
   template <int dim>
-  void Assembly<dim>::compute_cell_shapes(const dealii::FEValues<dim> &values, std::size_t first_point,
-                                          const std::vector<Tensor<2, 3>> &deformations, CellShapes &shapes) const
+  void Assembly<dim>::compute_cell_shapes(const std::size_t first_point, const std::vector<Tensor<2, 3>> &deformations,
+                                          CellShapes &shapes) const
   {
     shapes.gradients.resize(quadrature_.size());
     shapes.volumes.resize(quadrature_.size());
-    for (const unsigned int q : values.quadrature_point_indices())
+    for (unsigned int q = 0; q < quadrature_.size(); ++q)
       {
-        shapes.volumes[q] = compute_volume_element(values, q, deformations[first_point + q]);
-        compute_shape_gradients(values, q, deformations[first_point + q], shapes.gradients[q]);
+        shapes.volumes[q] = compute_volume_element(first_point + q, deformations[first_point + q]);
+        compute_shape_gradients(first_point + q, deformations[first_point + q], shapes.gradients[q]);
       }
     if (dilatation_ == Dilatation::point)
       return;
@@ -173,12 +176,12 @@ namespace fem
   std::vector<PointSite> Assembly<dim>::compute_sites() const
   {
     std::vector<PointSite> sites;
-    for_each_cell([&](const Cell &cell, const dealii::FEValues<dim> &values, std::size_t) {
-      for (const unsigned int q : values.quadrature_point_indices())
+    for_each_cell([&](const Cell &cell, const std::size_t first_point) {
+      for (unsigned int q = 0; q < quadrature_.size(); ++q)
         {
           PointSite site;
           site.id = cell->global_active_cell_index() * quadrature_.size() + q;
-          site.position = dealii::Point<3>(embed<dim>(values.quadrature_point(q)));
+          site.position = dealii::Point<3>(embed<dim>(shapes_.get_position(first_point + q)));
           site.region = cell->material_id();
           sites.push_back(site);
         }
@@ -189,17 +192,17 @@ namespace fem
   template <int dim>
   std::vector<Tensor<2, 3>> Assembly<dim>::compute_gradients(const Vector &ghosted) const
   {
-    std::vector<Tensor<2, 3>> gradients, shapes;
+    std::vector<Tensor<2, 3>> gradients;
     std::vector<dealii::types::global_dof_index> dofs(dof_handler_.get_fe().n_dofs_per_cell());
-    const Tensor<2, 3> identity(dealii::unit_symmetric_tensor<3>());
-    for_each_cell([&](const Cell &cell, const dealii::FEValues<dim> &values, std::size_t) {
+    std::vector<double> displacement(dofs.size());
+    for_each_cell([&](const Cell &cell, const std::size_t first_point) {
       cell->get_dof_indices(dofs);
-      for (const unsigned int q : values.quadrature_point_indices())
+      ghosted.extract_subvector_to(dofs.begin(), dofs.end(), displacement.begin());
+      for (std::size_t p = first_point; p < first_point + quadrature_.size(); ++p)
         {
-          compute_shape_gradients(values, q, identity, shapes);
           Tensor<2, 3> gradient;
           for (unsigned int i = 0; i < dofs.size(); ++i)
-            gradient += static_cast<double>(ghosted(dofs[i])) * shapes[i];
+            gradient += displacement[i] * compute_initial_gradient(p, i);
           gradients.push_back(gradient);
         }
     });
@@ -212,11 +215,11 @@ namespace fem
   {
     CellShapes shapes;
     std::vector<dealii::types::global_dof_index> dofs(dof_handler_.get_fe().n_dofs_per_cell());
-    for_each_cell([&](const Cell &cell, const dealii::FEValues<dim> &values, std::size_t first_point) {
+    for_each_cell([&](const Cell &cell, const std::size_t first_point) {
       cell->get_dof_indices(dofs);
-      compute_cell_shapes(values, first_point, deformations, shapes);
+      compute_cell_shapes(first_point, deformations, shapes);
       std::vector<double> cell_forces(dofs.size(), 0.);
-      for (const unsigned int q : values.quadrature_point_indices())
+      for (unsigned int q = 0; q < quadrature_.size(); ++q)
         {
           const Tensor<2, 3> stress(responses[first_point + q].stress);
           for (unsigned int i = 0; i < dofs.size(); ++i)
@@ -252,11 +255,11 @@ namespace fem
     CellShapes shapes;
     std::vector<dealii::types::global_dof_index> dofs(n_dofs);
     dealii::FullMatrix<double> cell_matrix(n_dofs, n_dofs);
-    for_each_cell([&](const Cell &cell, const dealii::FEValues<dim> &values, std::size_t first_point) {
+    for_each_cell([&](const Cell &cell, const std::size_t first_point) {
       cell->get_dof_indices(dofs);
-      compute_cell_shapes(values, first_point, deformations, shapes);
+      compute_cell_shapes(first_point, deformations, shapes);
       cell_matrix = 0.;
-      for (const unsigned int q : values.quadrature_point_indices())
+      for (unsigned int q = 0; q < quadrature_.size(); ++q)
         {
           const PointResponse &response = responses[first_point + q];
           const std::vector<Tensor<2, 3>> &gradients = shapes.gradients[q];
@@ -320,16 +323,16 @@ namespace fem
   void Assembly<dim>::for_each_weight(double unit_weight, const VisitForces &visit) const
   {
     std::vector<dealii::types::global_dof_index> dofs(dof_handler_.get_fe().n_dofs_per_cell());
-    for_each_cell([&](const Cell &cell, const dealii::FEValues<dim> &values, std::size_t) {
+    for_each_cell([&](const Cell &cell, const std::size_t first_point) {
       if (is_absent(cell->material_id()))
         return;
       cell->get_dof_indices(dofs);
       std::vector<double> cell_forces(dofs.size(), 0.);
-      for (const unsigned int q : values.quadrature_point_indices())
+      for (std::size_t p = first_point; p < first_point + quadrature_.size(); ++p)
         for (unsigned int i = 0; i < dofs.size(); ++i)
-          if (get_axis<dim>(dof_handler_.get_fe().system_to_component_index(i).first) == 2)
-            cell_forces[i] -= unit_weight * values.JxW(q) * compute_depth(geometry_, values.quadrature_point(q)[0]) *
-                              values.shape_value(i, q);
+          if (get_axis<dim>(shapes_.get_component(i)) == 2)
+            cell_forces[i] -= unit_weight * shapes_.get_measure(p) *
+                              compute_depth(geometry_, shapes_.get_position(p)[0]) * shapes_.get_value(p, i);
       visit(cell, dofs, cell_forces);
     });
   }
@@ -348,12 +351,12 @@ namespace fem
   {
     double volume = 0.;
     Tensor<1, 3> moment;
-    for_each_cell([&](const Cell &, const dealii::FEValues<dim> &values, std::size_t) {
-      for (const unsigned int q : values.quadrature_point_indices())
+    for_each_cell([&](const Cell &, const std::size_t first_point) {
+      for (std::size_t p = first_point; p < first_point + quadrature_.size(); ++p)
         {
-          const double part = values.JxW(q) * compute_depth(geometry_, values.quadrature_point(q)[0]);
+          const double part = compute_initial_volume(p);
           volume += part;
-          moment += part * embed<dim>(values.quadrature_point(q));
+          moment += part * embed<dim>(shapes_.get_position(p));
         }
     });
     const MPI_Comm communicator = dof_handler_.get_communicator();

@@ -2,12 +2,12 @@
 
 #include "fem/constitutive_model.h"
 #include "fem/geometry.h"
+#include "fem/initial_shapes.h"
 #include "fem/kinematics.h"
 #include "fem/linear_solver.h"
 
 #include <deal.II/base/quadrature_lib.h>
 #include <deal.II/dofs/dof_handler.h>
-#include <deal.II/fe/fe_values.h>
 #include <deal.II/lac/affine_constraints.h>
 
 #include <functional>
@@ -102,20 +102,22 @@ namespace fem
       std::vector<std::vector<dealii::Tensor<2, 3>>> gradients; ///< of each unknown
       std::vector<double> volumes;                              ///< of the point [m^3]
     };
-    void compute_cell_shapes(const dealii::FEValues<dim> &values, std::size_t first_point,
-                             const std::vector<dealii::Tensor<2, 3>> &deformations, CellShapes &shapes) const;
+    void compute_cell_shapes(std::size_t first_point, const std::vector<dealii::Tensor<2, 3>> &deformations,
+                             CellShapes &shapes) const;
     void average_dilatation(CellShapes &shapes) const;
 
     /** Weighted by initial volumes. @param get  of a point */
     template <class Get>
     double compute_cell_mean(std::size_t first_point, const Get &get) const;
 
+    /** Shape gradient of an unknown of a point's cell in the initial configuration [1/m]. */
+    dealii::Tensor<2, 3> compute_initial_gradient(std::size_t point, unsigned int unknown) const;
+
     /** Shape gradients of all unknowns of a cell at a point, pulled to the configuration of F. */
-    void compute_shape_gradients(const dealii::FEValues<dim> &values, unsigned int point,
-                                 const dealii::Tensor<2, 3> &deformation,
+    void compute_shape_gradients(std::size_t point, const dealii::Tensor<2, 3> &deformation,
                                  std::vector<dealii::Tensor<2, 3>> &gradients) const;
-    double compute_volume_element(const dealii::FEValues<dim> &values, unsigned int point,
-                                  const dealii::Tensor<2, 3> &deformation) const;
+    double compute_initial_volume(std::size_t point) const;
+    double compute_volume_element(std::size_t point, const dealii::Tensor<2, 3> &deformation) const;
 
     /** Share of an absent cell's force or stiffness that a row gets: see assembly.cc. */
     double compute_row_share(dealii::types::global_dof_index dof) const;
@@ -124,11 +126,11 @@ namespace fem
     void for_each_cell(const Work &work) const;
 
     const dealii::DoFHandler<dim> &dof_handler_;
-    const dealii::Mapping<dim> &mapping_;
     Geometry geometry_;
     Kinematics kinematics_;
     Dilatation dilatation_;
     dealii::QGauss<dim> quadrature_;
+    InitialShapes<dim> shapes_;
     std::vector<double> initial_volumes_; ///< of the points [m^3]; empty unless cells' means are asked for
     std::set<dealii::types::material_id> absent_;
     std::vector<bool> followers_; ///< of all unknowns; empty: none

@@ -3,9 +3,7 @@
 #include "fem/interface_forces.h"
 #include "fem/rigid_motions.h"
 
-#include <deal.II/base/quadrature_lib.h>
 #include <deal.II/dofs/dof_tools.h>
-#include <deal.II/fe/fe_values.h>
 
 #include <fmt/format.h>
 
@@ -28,46 +26,24 @@ namespace fem
       return text;
     }
 
-    /** Visits the Gauss points of a named boundary on this rank; those of an interface from both sides. */
-    template <int dim, class Work>
-    void for_each_face_point(const dealii::DoFHandler<dim> &dof_handler, const dealii::Mapping<dim> &mapping,
-                             const BoundaryNames &names, const std::string &name, const Work &work)
-    {
-      const auto inside = names.interfaces.find(name);
-      const bool is_inside = inside != names.interfaces.end();
-      const auto is_meant = [&](const auto &face) {
-        return is_inside ? !face->at_boundary() && face->manifold_id() == inside->second
-                         : face->at_boundary() && face->boundary_id() == names.boundaries.at(name);
-      };
-      dealii::FEFaceValues<dim> values(
-          mapping, dof_handler.get_fe(), dealii::QGauss<dim - 1>(dof_handler.get_fe().degree + 1),
-          dealii::update_values | dealii::update_gradients | dealii::update_quadrature_points |
-              dealii::update_JxW_values | dealii::update_normal_vectors);
-      std::vector<dealii::types::global_dof_index> dofs(dof_handler.get_fe().n_dofs_per_cell());
-      for (const auto &cell : dof_handler.active_cell_iterators())
-        if (cell->is_locally_owned() && (is_inside || cell->at_boundary()))
-          for (const unsigned int f : cell->face_indices())
-            if (is_meant(cell->face(f)))
-              {
-                values.reinit(cell, f);
-                cell->get_dof_indices(dofs);
-                for (const unsigned int q : values.quadrature_point_indices())
-                  work(cell, values, q, dofs);
-              }
-    }
-
     template <int dim>
-    Tensor<2, 3> compute_deformation(Geometry geometry, const dealii::FEFaceValues<dim> &values, unsigned int point,
-                                     const std::vector<dealii::types::global_dof_index> &dofs,
-                                     const Vector &ghosted_displacement)
+    Tensor<2, 3> compute_deformation(Geometry geometry, const FaceShapes<dim> &face,
+                                     const typename FaceShapes<dim>::Point &point,
+                                     const dealii::FiniteElement<dim> &element, const std::vector<double> &displacement)
     {
       Tensor<2, 3> deformation(dealii::unit_symmetric_tensor<3>());
-      for (unsigned int i = 0; i < dofs.size(); ++i)
-        deformation += static_cast<double>(ghosted_displacement(dofs[i])) *
-                       embed_gradient<dim>(geometry, values.get_fe().system_to_component_index(i).first,
-                                           values.shape_value(i, point), values.shape_grad(i, point),
-                                           values.quadrature_point(point)[0]);
+      for (unsigned int i = 0; i < face.dofs.size(); ++i)
+        deformation += displacement[i] * embed_gradient<dim>(geometry, element.system_to_component_index(i).first,
+                                                             point.values[i], point.gradients[i], point.position[0]);
       return deformation;
+    }
+
+    /** Entries of a face's unknowns. */
+    template <int dim>
+    void extract(const Vector &ghosted, const FaceShapes<dim> &face, std::vector<double> &entries)
+    {
+      entries.resize(face.dofs.size());
+      ghosted.extract_subvector_to(face.dofs.begin(), face.dofs.end(), entries.begin());
     }
   } // namespace
 
@@ -79,6 +55,7 @@ namespace fem
         conditions_(std::move(conditions))
   {
     check_conditions();
+    take_face_shapes();
     std::vector<bool> is_held;
     for (const BoundaryCondition &condition : conditions_)
       is_held.push_back(condition.is_held);
@@ -126,6 +103,20 @@ namespace fem
               fmt::format("boundary condition: no boundary '{}'; known: {}", condition.boundary, join(known)));
         components_.push_back(condition.kind == ConditionKind::pressure ? 0 : find_component(condition));
       }
+  }
+
+  template <int dim>
+  void BoundaryConditions<dim>::take_face_shapes()
+  {
+    using Face = typename dealii::DoFHandler<dim>::face_iterator;
+    for (const auto &[name, id] : names_.boundaries)
+      faces_[name] = list_face_shapes<dim>(dof_handler_, mapping_, [id = id](const Face &face) {
+        return face->at_boundary() && face->boundary_id() == id;
+      });
+    for (const auto &[name, id] : names_.interfaces)
+      faces_[name] = list_face_shapes<dim>(dof_handler_, mapping_, [id = id](const Face &face) {
+        return !face->at_boundary() && face->manifold_id() == id;
+      });
   }
 
   template <int dim>
@@ -229,28 +220,33 @@ namespace fem
   {
     const BoundaryCondition &condition = conditions_[index];
     const bool is_current = ghosted_displacement != nullptr && condition.area == AreaMeasure::current;
-    const auto visit_point = [&](const auto &cell, const dealii::FEFaceValues<dim> &values, unsigned int q,
-                                 const auto &dofs) {
-      Tensor<1, 3> area = values.JxW(q) * compute_depth(geometry_, values.quadrature_point(q)[0]) *
-                          embed<dim>(Tensor<1, dim>(values.normal_vector(q)));
-      if (is_current)
-        {
-          const auto deformation = compute_deformation<dim>(geometry_, values, q, dofs, *ghosted_displacement);
-          area = dealii::determinant(deformation) * dealii::transpose(dealii::invert(deformation)) * area;
-        }
-      Tensor<1, 3> force = -value * area;
-      if (condition.kind == ConditionKind::traction)
-        {
-          force = 0.;
-          force[get_axis<dim>(components_[index])] = value * area.norm();
-        }
-      std::vector<double> forces;
-      for (unsigned int i = 0; i < dofs.size(); ++i)
-        forces.push_back(values.shape_value(i, q) *
-                         force[get_axis<dim>(values.get_fe().system_to_component_index(i).first)]);
-      visit(cell, dofs, forces);
-    };
-    for_each_face_point(dof_handler_, mapping_, names_, condition.boundary, visit_point);
+    std::vector<double> displacement;
+    for (const FaceShapes<dim> &face : faces_.at(condition.boundary))
+      {
+        if (is_current)
+          extract(*ghosted_displacement, face, displacement);
+        for (const auto &point : face.points)
+          {
+            Tensor<1, 3> area = point.measure * compute_depth(geometry_, point.position[0]) * embed<dim>(point.normal);
+            if (is_current)
+              {
+                const auto deformation =
+                    compute_deformation<dim>(geometry_, face, point, dof_handler_.get_fe(), displacement);
+                area = dealii::determinant(deformation) * dealii::transpose(dealii::invert(deformation)) * area;
+              }
+            Tensor<1, 3> force = -value * area;
+            if (condition.kind == ConditionKind::traction)
+              {
+                force = 0.;
+                force[get_axis<dim>(components_[index])] = value * area.norm();
+              }
+            std::vector<double> forces;
+            for (unsigned int i = 0; i < face.dofs.size(); ++i)
+              forces.push_back(point.values[i] *
+                               force[get_axis<dim>(dof_handler_.get_fe().system_to_component_index(i).first)]);
+            visit(face.cell, face.dofs, forces);
+          }
+      }
   }
 
   template <int dim>
@@ -280,15 +276,19 @@ namespace fem
   {
     double area = 0.;
     Tensor<1, 3> moment;
-    const auto add_point = [&](const auto &, const dealii::FEFaceValues<dim> &values, unsigned int q,
-                               const auto &dofs) {
-      const double part = values.JxW(q) * compute_depth(geometry_, values.quadrature_point(q)[0]);
-      area += part;
-      for (unsigned int i = 0; i < dofs.size(); ++i)
-        moment[get_axis<dim>(values.get_fe().system_to_component_index(i).first)] +=
-            part * values.shape_value(i, q) * ghosted_displacement(dofs[i]);
-    };
-    for_each_face_point(dof_handler_, mapping_, names_, boundary, add_point);
+    std::vector<double> displacement;
+    for (const FaceShapes<dim> &face : faces_.at(boundary))
+      {
+        extract(ghosted_displacement, face, displacement);
+        for (const auto &point : face.points)
+          {
+            const double part = point.measure * compute_depth(geometry_, point.position[0]);
+            area += part;
+            for (unsigned int i = 0; i < face.dofs.size(); ++i)
+              moment[get_axis<dim>(dof_handler_.get_fe().system_to_component_index(i).first)] +=
+                  part * point.values[i] * displacement[i];
+          }
+      }
     const MPI_Comm communicator = dof_handler_.get_communicator();
     area = dealii::Utilities::MPI::sum(area, communicator);
     moment = dealii::Utilities::MPI::sum(moment, communicator);

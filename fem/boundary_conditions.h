@@ -1,6 +1,7 @@
 #pragma once
 
 #include "fem/geometry.h"
+#include "fem/initial_shapes.h"
 #include "fem/linear_solver.h"
 #include "fem/mesh_input.h"
 
@@ -122,6 +123,7 @@ namespace fem
     };
 
     void check_conditions();
+    void take_face_shapes();
     void collect_prescribed();
     dealii::IndexSet extract_dofs(unsigned int condition) const;
     void check_rigid_motions() const;
@@ -136,7 +138,8 @@ namespace fem
     const dealii::Mapping<dim> &mapping_;
     Geometry geometry_;
     BoundaryNames names_;
-    std::vector<bool> is_held_; ///< one a condition
+    std::map<std::string, std::vector<FaceShapes<dim>>> faces_; ///< of each boundary and interface, on this rank
+    std::vector<bool> is_held_;                                 ///< one a condition
     std::vector<BoundaryCondition> conditions_;
     std::vector<unsigned int> components_;      ///< mesh component of each condition
     std::vector<PrescribedUnknown> prescribed_; ///< owned ones
