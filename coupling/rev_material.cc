@@ -212,6 +212,9 @@ namespace coupling
     constexpr std::size_t n_columns = 2; // grains broken; whether it has failed
     const auto rows = pool_.ask_all(kind, n_columns, [&](const PointId id, std::span<double> row) {
       LazyRev &rev = *points_.at(id).rev;
+      row[0] = row[1] = 0.;
+      if (question.kind == QuestionKind::split && rev.get_rev().count_overstressed() == 0)
+        return; // all stays as accept() left it, and nothing has to be remembered
       AgeingReport report;
       if (question.kind == QuestionKind::age && rev.needs_catching_up(question.dt))
         {

@@ -72,7 +72,7 @@ namespace coupling
     if (response.status == fem::Status::ok)
       {
         const dem::Matrix &q = increment.rotation;
-        response.stress = to_symmetric_tensor(q * rev.get_trial().stress * q.transpose());
+        response.stress = to_symmetric_tensor(q * rev.get_trial_stress() * q.transpose());
         if (with_tangent)
           response.tangent = rotate(compute_tangent(rev, rev.get_trial(), rule.tangent), q);
       }

@@ -56,6 +56,12 @@ namespace dem
     to = from;
   }
 
+  void Rev::set_trial(const RevState &state)
+  {
+    copy(state, trial_);
+    has_old_cracks_ = false;
+  }
+
   RestReport Rev::bring_to_rest(RevState &state, CellControl control, const CrackClock *const clock)
   {
     const bool is_strained = !control.has_servo();
@@ -73,18 +79,36 @@ namespace dem
     n_bytes_at_rest_ = report.n_bytes;
     if (is_strained)
       state.cell.deformation = asked; // so that what the grid leaves out never adds up
-    const Stopwatch watch(profile_[Part::ageing]);
     if (report.status == RestStatus::at_rest)
-      {
-        forget_open_contacts(state);
-        update_crack_velocities(state.grains, list_contacts(state, law_), model_.fracture);
-      }
+      forget_open_contacts(state);
+    return report;
+  }
+
+  void Rev::update_cracks(RevState &state) const
+  {
+    const Stopwatch watch(profile_[Part::ageing]);
+    update_crack_velocities(state.grains, list_contacts(state, law_), model_.fracture);
+  }
+
+  // Most trials are dropped again: how fast their cracks would grow is found once somebody asks.
+  const RevState &Rev::get_trial() const
+  {
+    if (has_old_cracks_)
+      update_cracks(trial_);
+    has_old_cracks_ = false;
+    return trial_;
+  }
+
+  RestReport Rev::bring_trial_to_rest(const CellControl &control, const CrackClock *const clock)
+  {
+    const RestReport report = bring_to_rest(trial_, control, clock);
+    has_old_cracks_ = report.status == RestStatus::at_rest;
     return report;
   }
 
   RestReport Rev::deform(const Matrix &stretch)
   {
-    copy(baseline_, trial_);
+    set_trial(baseline_);
     const Matrix &deformation = baseline_.cell.deformation;
     const Matrix asked = stretch * deformation;
     if (compute_stretch_on_grid(deformation, asked) == Matrix::Identity())
@@ -96,24 +120,27 @@ namespace dem
       }
     CellControl control;
     control.stretch = stretch;
-    return bring_to_rest(trial_, control);
+    return bring_trial_to_rest(control);
   }
 
   RestReport Rev::control(const CellControl &control)
   {
-    copy(baseline_, trial_);
-    return bring_to_rest(trial_, control);
+    set_trial(baseline_);
+    return bring_trial_to_rest(control);
   }
 
   RestReport Rev::control(const CellControl &control, const CrackClock &clock)
   {
-    copy(baseline_, trial_);
-    return bring_to_rest(trial_, control, &clock);
+    set_trial(baseline_);
+    return bring_trial_to_rest(control, &clock);
   }
 
   RestReport Rev::relax()
   {
-    return bring_to_rest(baseline_, CellControl{});
+    const RestReport report = bring_to_rest(baseline_, CellControl{});
+    if (report.status == RestStatus::at_rest)
+      update_cracks(baseline_);
+    return report;
   }
 
   double Rev::compute_time_to_next_batch(const unsigned int n_cuts) const
@@ -143,14 +170,17 @@ namespace dem
   std::size_t Rev::age(const double dt)
   {
     const Stopwatch watch(profile_[Part::ageing]);
-    const auto contacts = list_contacts(baseline_, law_);
+    const auto broken = advance_cracks(baseline_.grains, dt);
+    std::vector<Contact> contacts; // as they were before anything crept
+    if (model_.creep.has_contact_creep() || !broken.empty())
+      contacts = list_contacts(baseline_, law_);
     if (model_.creep.has_contact_creep())
       advance_contact_creep(baseline_, contacts, model_.creep, dt);
-    const auto broken = advance_cracks(baseline_.grains, dt);
     baseline_.time += dt;
     for (const std::size_t place : broken)
       record_fracture(baseline_, place, BreakageCause::delayed);
-    split_grains(baseline_, broken, contacts, model_.fracture, model_.identity);
+    if (!broken.empty())
+      split_grains(baseline_, broken, contacts, model_.fracture, model_.identity);
     return broken.size();
   }
 
@@ -183,7 +213,7 @@ namespace dem
   void Rev::revert()
   {
     copy(committed_, baseline_);
-    copy(committed_, trial_);
+    set_trial(committed_);
   }
 
   std::size_t Rev::count_bytes() const

@@ -56,7 +56,7 @@ namespace dem
     RestReport control(const CellControl &control, const CrackClock &clock);
 
     /** The trial becomes the baseline. */
-    void accept() { copy(trial_, baseline_); }
+    void accept() { copy(get_trial(), baseline_); }
 
     /** Time until the next batch of fractures in the baseline [s]; infinity: none. */
     double compute_time_to_next_batch(unsigned int n_cuts = 0) const;
@@ -91,7 +91,9 @@ namespace dem
 
     const RevState &get_committed() const { return committed_; }
     const RevState &get_baseline() const { return baseline_; }
-    const RevState &get_trial() const { return trial_; }
+    const RevState &get_trial() const;
+    /** The trial's stress alone [Pa]: what most questions are asked for, and never looked at again. */
+    const Matrix &get_trial_stress() const { return trial_.stress; }
     /** What split between the last two commits, in order. */
     const std::vector<Fracture> &get_last_fractures() const { return last_fractures_; }
 
@@ -107,11 +109,16 @@ namespace dem
 
   private:
     RestReport bring_to_rest(RevState &state, CellControl control, const CrackClock *clock = nullptr);
+    RestReport bring_trial_to_rest(const CellControl &control, const CrackClock *clock = nullptr);
+    void update_cracks(RevState &state) const;
     void copy(const RevState &from, RevState &to);
+    void set_trial(const RevState &state);
 
     RevModel model_;
     ContactLaw law_;
-    RevState committed_, baseline_, trial_;
+    RevState committed_, baseline_;
+    mutable RevState trial_;
+    mutable bool has_old_cracks_ = false; ///< the trial's crack velocities are from before its run to rest
     mutable Profile profile_;
     std::size_t n_bytes_at_rest_ = 0;
     std::vector<Fracture> last_fractures_;

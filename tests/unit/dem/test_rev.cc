@@ -83,6 +83,27 @@ namespace
     EXPECT_TRUE(are_equal_bits(rev.get_committed(), get_loaded_state()));
   }
 
+  TEST(Rev, ATrialsCracksAreThoseOfItsOwnContacts)
+  {
+    // Law: whether somebody looks at a trial or it is accepted unseen, its cracks grow as its own contacts say; a trial
+    // that is dropped leaves nothing behind.
+    Rev seen = make_loaded_rev(), unseen = make_loaded_rev();
+    seen.deform(make_stretch());
+    const RevState trial = seen.get_trial();
+    RevState expected = trial;
+    update_crack_velocities(expected.grains, list_contacts(expected, seen.get_law()), seen.get_model().fracture);
+    EXPECT_TRUE(are_equal_bits(trial, expected));
+    EXPECT_NE(trial.grains.largest_contact_stress, get_loaded_state().grains.largest_contact_stress);
+
+    unseen.deform(make_stretch());
+    EXPECT_TRUE(unseen.get_trial_stress() == trial.stress);
+    unseen.deform(Matrix::Identity());
+    EXPECT_TRUE(are_equal_bits(unseen.get_trial(), get_loaded_state()));
+    unseen.deform(make_stretch());
+    unseen.accept();
+    EXPECT_TRUE(are_equal_bits(unseen.get_baseline(), trial));
+  }
+
   TEST(Rev, AcceptCommitAndRevertMoveTheRightStates)
   {
     // Law: accept makes the trial the baseline, commit the baseline history, revert drops baseline and trial.
