@@ -2,6 +2,7 @@
 
 #include <deal.II/dofs/dof_tools.h>
 #include <deal.II/fe/fe.h>
+#include <deal.II/grid/cell_id.h>
 #include <deal.II/grid/tria.h>
 
 #include <cmath>
@@ -172,6 +173,20 @@ namespace fem
       shapes.volumes[q] = volume / initial_volume * initial[static_cast<std::ptrdiff_t>(q)];
   }
 
+  // The mesh library numbers cells rank by rank. By what the file lists and halvings make of it a cell has one number,
+  // whoever owns it: what is drawn for its points then does not depend on the partition.
+  template <int dim>
+  unsigned int Assembly<dim>::compute_cell_number(const Cell &cell) const
+  {
+    Assert(cell->level() + 1 == static_cast<int>(dof_handler_.get_triangulation().n_global_levels()),
+           dealii::ExcMessage("cells of several levels would share numbers"));
+    const dealii::CellId id = cell->id();
+    auto number = static_cast<unsigned int>(id.get_coarse_cell_id());
+    for (const unsigned int child : id.get_child_indices())
+      number = number * dealii::GeometryInfo<dim>::max_children_per_cell + child;
+    return number;
+  }
+
   template <int dim>
   std::vector<PointSite> Assembly<dim>::compute_sites() const
   {
@@ -180,7 +195,7 @@ namespace fem
       for (unsigned int q = 0; q < quadrature_.size(); ++q)
         {
           PointSite site;
-          site.id = cell->global_active_cell_index() * quadrature_.size() + q;
+          site.id = compute_cell_number(cell) * quadrature_.size() + q;
           site.position = dealii::Point<3>(embed<dim>(shapes_.get_position(first_point + q)));
           site.region = cell->material_id();
           sites.push_back(site);

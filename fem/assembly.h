@@ -125,6 +125,8 @@ namespace fem
     template <class Work>
     void for_each_cell(const Work &work) const;
 
+    unsigned int compute_cell_number(const Cell &cell) const;
+
     const dealii::DoFHandler<dim> &dof_handler_;
     Geometry geometry_;
     Kinematics kinematics_;

@@ -14,8 +14,8 @@
 
 namespace fem
 {
-  /** Number of a Gauss point: global active cell index times points per cell plus the point's index in its cell. The
-   *  same on any number of ranks. */
+  /** Number of a Gauss point: number of its cell times points per cell plus the point's index in its cell. The same on
+   *  any number of ranks. */
   using PointId = unsigned int;
 
   /** What an evaluation came to. `step_too_large` and `failed` both make the macro step shorter. */

@@ -1,6 +1,14 @@
 #include "tests/support/fem_cases.h"
 
+#include "fem/assembly.h"
+
+#include <deal.II/fe/fe_q.h>
+#include <deal.II/fe/fe_system.h>
+#include <deal.II/fe/mapping_q.h>
+
 #include <gtest/gtest.h>
+
+#include <map>
 
 using namespace fem;
 using namespace fem::cases;
@@ -49,7 +57,48 @@ namespace
     for (std::size_t i = 0; i < a.size(); ++i)
       EXPECT_NEAR(a[i], b[i], 1e-8); // Newton's tolerance of 1e-10 on quantities scaled to order 1
   }
+
+  template <int dim>
+  std::vector<PointSite> list_sites(const MeshParameters &parameters, Geometry geometry, MPI_Comm communicator)
+  {
+    const Mesh<dim> mesh = create_mesh<dim>(parameters, geometry, communicator);
+    const dealii::FESystem<dim> element(dealii::FE_Q<dim>(1), dim);
+    const dealii::MappingQ<dim> mapping(1);
+    dealii::DoFHandler<dim> dofs(*mesh.triangulation);
+    dofs.distribute_dofs(element);
+    return Assembly<dim>(dofs, mapping, geometry, Kinematics::finite, 2).compute_sites();
+  }
+
+  template <int dim>
+  void expect_own_numbers(const MeshParameters &parameters, Geometry geometry)
+  {
+    const auto all = list_sites<dim>(parameters, geometry, MPI_COMM_SELF);
+    const auto here = list_sites<dim>(parameters, geometry, MPI_COMM_WORLD);
+    std::map<PointId, dealii::Point<3>> positions;
+    for (const PointSite &site : all)
+      positions[site.id] = site.position;
+    EXPECT_EQ(positions.size(), all.size());
+    EXPECT_EQ(positions.rbegin()->first, all.size() - 1); // no number is left out
+    for (const PointSite &site : here)
+      EXPECT_EQ(site.position, positions.at(site.id));
+    EXPECT_EQ(dealii::Utilities::MPI::sum(here.size(), MPI_COMM_WORLD), all.size());
+  }
 } // namespace
+
+TEST(Distributed, APointHasOneNumberHoweverTheMeshIsDivided)
+{
+  // Law: a Gauss point's number, by which its grains are drawn, is a matter of the mesh alone.
+  MeshParameters halved;
+  halved.n_cells = {{3, 2, 2}};
+  halved.n_refinements = 1;
+  expect_own_numbers<3>(halved, Geometry::three_dimensional);
+  halved.n_refinements = 2;
+  expect_own_numbers<2>(halved, Geometry::plane_strain);
+  MeshParameters pile;
+  pile.kind = MeshKind::file;
+  pile.file = SLOWSAND_SOURCE_DIR "/meshes/pile_small.msh";
+  expect_own_numbers<2>(pile, Geometry::axisymmetric);
+}
 
 TEST(Distributed, EveryLinearSolverOnAnyRanksGivesOneAnswer)
 {
