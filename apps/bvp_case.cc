@@ -147,7 +147,7 @@ namespace apps
                                                  {"direct", fem::LinearSolverKind::direct},
                                                  {"cg", fem::LinearSolverKind::cg},
                                                  {"gmres", fem::LinearSolverKind::gmres}},
-                                                "automatic: direct on one rank, gmres on several. Units: none.");
+                                                "automatic: direct on one rank; on several gmres, and direct for a matrix where it fails. Units: none.");
       binder.bind("Tolerance", linear.tolerance, {0., 1., true, true}, "Of the iterative ones. Units: [-].");
       binder.bind("Most iterations", linear.max_iterations, at_least_one, "Of the iterative ones. Units: [-].");
       binder.leave();

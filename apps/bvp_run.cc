@@ -376,6 +376,7 @@ namespace apps
           static_cast<double>(tally_.creep_evaluations) / tally_.creep_steps;
     summary.figures["avalanche rounds"] = tally_.avalanche_rounds;
     summary.figures["avalanche evaluations"] = tally_.avalanche_evaluations;
+    summary.figures["matrices factorised after an iteration failed"] = problem_->count_rescued_tangents();
     summary.figures["steps taken back"] = tally_.cuts;
     summary.figures["evaluations lost with them"] = tally_.lost_evaluations;
     summary.figures["largest residual over reaction [-]"] = tally_.largest_residual_share;

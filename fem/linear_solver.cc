@@ -8,6 +8,25 @@ namespace fem
 {
   namespace wrappers = dealii::TrilinosWrappers;
 
+  namespace
+  {
+    std::unique_ptr<wrappers::SolverDirect> factorise(const Matrix &matrix, dealii::SolverControl &control)
+    {
+      auto solver = std::make_unique<wrappers::SolverDirect>(
+          control, wrappers::SolverDirect::AdditionalData(false, "Amesos_Klu"));
+      try
+        {
+          solver->initialize(matrix);
+        }
+      catch (const dealii::ExceptionBase &)
+        {
+          throw std::runtime_error("the tangent matrix is singular: is every rigid motion of the body prescribed away, "
+                                   "and does the material answer with a positive stiffness?");
+        }
+      return solver;
+    }
+  } // namespace
+
   LinearSolver::LinearSolver(const LinearSolverParameters &parameters) : parameters_(parameters) {}
 
   LinearSolver::~LinearSolver() = default;
@@ -20,19 +39,10 @@ namespace fem
     const bool is_alone = dealii::Utilities::MPI::n_mpi_processes(matrix.get_mpi_communicator()) == 1;
     if (parameters_.kind == LinearSolverKind::direct || (is_automatic && is_alone))
       {
-        direct_ = std::make_unique<wrappers::SolverDirect>(direct_control_,
-                                                           wrappers::SolverDirect::AdditionalData(false, "Amesos_Klu"));
-        try
-          {
-            direct_->initialize(matrix);
-          }
-        catch (const dealii::ExceptionBase &)
-          {
-            throw std::runtime_error("the tangent matrix is singular: is every rigid motion of the body prescribed "
-                                     "away, and does the material answer with a positive stiffness?");
-          }
+        direct_ = factorise(matrix, direct_control_);
         return;
       }
+    direct_.reset();
     auto multigrid = std::make_unique<wrappers::PreconditionAMG>();
     wrappers::PreconditionAMG::AdditionalData settings;
     settings.elliptic = true;
@@ -51,15 +61,21 @@ namespace fem
     if (size == 0.)
       return;
     dealii::SolverControl control(parameters_.max_iterations, parameters_.tolerance * size);
-    if (parameters_.kind == LinearSolverKind::cg)
+    try
       {
-        wrappers::SolverCG solver(control);
-        solver.solve(*matrix_, solution, right_hand_side, *preconditioner_);
+        if (parameters_.kind == LinearSolverKind::cg)
+          wrappers::SolverCG(control).solve(*matrix_, solution, right_hand_side, *preconditioner_);
+        else
+          wrappers::SolverGMRES(control, wrappers::SolverGMRES::AdditionalData(false, 100))
+              .solve(*matrix_, solution, right_hand_side, *preconditioner_);
       }
-    else
+    catch (const dealii::ExceptionBase &) // no convergence, or Trilinos found its precision lost: the same on all ranks
       {
-        wrappers::SolverGMRES solver(control, wrappers::SolverGMRES::AdditionalData(false, 100));
-        solver.solve(*matrix_, solution, right_hand_side, *preconditioner_);
+        if (parameters_.kind != LinearSolverKind::automatic)
+          throw dealii::SolverControl::NoConvergence(control.last_step(), control.last_value());
+        ++n_rescues_;
+        direct_ = factorise(*matrix_, direct_control_);
+        direct_->solve(solution, right_hand_side);
       }
   }
 } // namespace fem

@@ -14,7 +14,7 @@ namespace fem
 
   enum class LinearSolverKind
   {
-    automatic, ///< direct on one rank, gmres on several
+    automatic, ///< direct on one rank; on several gmres, and direct for a matrix where that fails
     direct,    ///< Amesos KLU; the factors are kept
     cg,        ///< for tangents without initial stress: they are symmetric
     gmres      ///< any tangent
@@ -38,13 +38,16 @@ namespace fem
      *  @param constant_modes  rigid translations for ML, one vector a component @param degree of the elements */
     void initialise(const Matrix &matrix, const std::vector<std::vector<bool>> &constant_modes, unsigned int degree);
 
-    /** Solves matrix x = right_hand_side. Throws SolverControl::NoConvergence.
+    /** Solves matrix x = right_hand_side. Throws SolverControl::NoConvergence, unless the kind is automatic.
      *  @pre initialise() was called and its matrix still lives */
     void solve(Vector &solution, const Vector &right_hand_side);
+
+    unsigned int count_rescues() const { return n_rescues_; } ///< matrices factorised after an iteration had failed
 
   private:
     LinearSolverParameters parameters_;
     const Matrix *matrix_ = nullptr;
+    unsigned int n_rescues_ = 0;
     dealii::SolverControl direct_control_;
     std::unique_ptr<dealii::TrilinosWrappers::SolverDirect> direct_;
     std::unique_ptr<dealii::TrilinosWrappers::PreconditionBase> preconditioner_;

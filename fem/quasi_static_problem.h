@@ -115,6 +115,9 @@ namespace fem
      */
     double compute_largest_unbalanced_ratio() const;
 
+    /** Tangents that were factorised because an iterative solver failed on several ranks. */
+    unsigned int count_rescued_tangents() const { return linear_solver_.count_rescues(); }
+
     /** Forces and displacements of the named boundaries and interfaces at the last equilibrium. */
     std::vector<BoundaryResponse> compute_boundary_responses() const;
 
