@@ -112,7 +112,7 @@ namespace coupling
     const PointAnswer answer = coupling::evaluate(rev_, increment, with_tangent, rule_);
     if (answer.response.status == fem::Status::ok)
       {
-        trial_.deviation_share = compute_deviation_share(forecast, to_symmetric_tensor(rev_.get_trial_stress()));
+        trial_.deviation_share = compute_deviation_share(forecast, to_symmetric_tensor(rev_.peek_trial().stress));
         if (baseline_.is_pending())
           trial_error_ = trial_.deviation_share * compute_pending_forecast().change;
       }
@@ -181,7 +181,7 @@ namespace coupling
     report.rest = rev_.deform(baseline_.pending);
     if (report.has_failed())
       return report;
-    const dealii::SymmetricTensor<2, 3> stress = to_symmetric_tensor(rev_.get_trial_stress());
+    const dealii::SymmetricTensor<2, 3> stress = to_symmetric_tensor(rev_.peek_trial().stress);
     record_error((stress - forecast.stress).norm());
     rev_.accept();
     tangent_.reset();

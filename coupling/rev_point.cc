@@ -72,9 +72,9 @@ namespace coupling
     if (response.status == fem::Status::ok)
       {
         const dem::Matrix &q = increment.rotation;
-        response.stress = to_symmetric_tensor(q * rev.get_trial_stress() * q.transpose());
+        response.stress = to_symmetric_tensor(q * rev.peek_trial().stress * q.transpose());
         if (with_tangent)
-          response.tangent = rotate(compute_tangent(rev, rev.get_trial(), rule.tangent), q);
+          response.tangent = rotate(compute_tangent(rev, rev.peek_trial(), rule.tangent), q);
       }
     response.cost_s = dem::measure_seconds_since(start);
     return answer;

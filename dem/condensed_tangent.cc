@@ -5,6 +5,7 @@
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseLU>
 
+#include <algorithm>
 #include <array>
 #include <limits>
 
@@ -102,6 +103,14 @@ namespace dem
       return strain;
     }
 
+    int find_tangent_index(const int i, const int j)
+    {
+      int m = 0;
+      while (!(tangent_index[m][0] == std::min(i, j) && tangent_index[m][1] == std::max(i, j)))
+        ++m;
+      return m;
+    }
+
     std::array<Matrix, 6> make_unit_strains()
     {
       std::array<Matrix, 6> strains;
@@ -130,8 +139,8 @@ namespace dem
       /** Displacements in answer to the six unit strains; NaN when there is no answer. */
       Columns solve();
 
-      /** d(stress)/d(strain) once the grains have moved by x [Pa]; null: they follow the mean strain. */
-      Tangent compute_tangent(const Columns *x) const;
+      /** d(stress)/d(strain) once the grains have moved by x [Pa]. */
+      Tangent compute_tangent(const Columns &x) const;
 
     private:
       std::vector<Unknown> list_unknowns(const Contact &contact) const;
@@ -230,7 +239,21 @@ namespace dem
       return x;
     }
 
-    Tangent Network::compute_tangent(const Columns *const x) const
+    /** Change of stress under unit strains, from the changes of V times stress. */
+    Tangent make_tangent(const std::array<Matrix, 6> &changes, const Matrix &stress, const double volume)
+    {
+      Tangent tangent;
+      for (int c = 0; c < 6; ++c)
+        {
+          const Matrix d = (changes[c] - stress * make_unit_strain(c).trace()) / volume;
+          for (int r = 0; r < 6; ++r)
+            tangent(r, c) =
+                0.5 * (d(tangent_index[r][0], tangent_index[r][1]) + d(tangent_index[r][1], tangent_index[r][0]));
+        }
+      return tangent;
+    }
+
+    Tangent Network::compute_tangent(const Columns &x) const
     {
       const std::array<Matrix, 6> strains = make_unit_strains();
       std::array<Matrix, 6> change;
@@ -238,15 +261,8 @@ namespace dem
       Matrix stress = Matrix::Zero();
       for (const Contact &contact : graph_.contacts)
         {
-          ContactStiffness k;
-          std::vector<Unknown> unknowns;
-          if (x != nullptr)
-            {
-              k = compute_scaled_stiffness(contact);
-              unknowns = list_unknowns(contact);
-            }
-          else
-            k[0][0] = compute_translational_stiffness(contact);
+          const ContactStiffness k = compute_scaled_stiffness(contact);
+          const std::vector<Unknown> unknowns = list_unknowns(contact);
           const Vector force = compute_force_on_a(contact);
           stress += force * contact.branch.transpose();
           for (int c = 0; c < 6; ++c)
@@ -255,7 +271,7 @@ namespace dem
               Vector force_change = k[0][0] * moved;
               for (const Unknown &unknown : unknowns)
                 {
-                  const Vector part = unknown.sign * x->block<3, 1>(unknown.offset, c);
+                  const Vector part = unknown.sign * x.block<3, 1>(unknown.offset, c);
                   force_change += k[0][unknown.block] * part;
                   if (unknown.block == 0)
                     moved += part;
@@ -263,29 +279,43 @@ namespace dem
               change[c] += force_change * contact.branch.transpose() + force * moved.transpose();
             }
         }
-      Tangent tangent;
-      for (int c = 0; c < 6; ++c)
-        {
-          const Matrix d = (change[c] - stress * strains[c].trace()) / graph_.volume;
-          for (int r = 0; r < 6; ++r)
-            tangent(r, c) =
-                0.5 * (d(tangent_index[r][0], tangent_index[r][1]) + d(tangent_index[r][1], tangent_index[r][0]));
-        }
-      return tangent;
+      return make_tangent(change, stress, graph_.volume);
     }
   } // namespace
 
   Tangent compute_condensed_tangent(const ContactGraph &graph)
   {
-    Network network(graph);
     if (graph.contacts.empty())
-      return network.compute_tangent(nullptr);
-    const Columns x = network.solve();
-    return network.compute_tangent(&x);
+      return Tangent::Zero();
+    Network network(graph);
+    return network.compute_tangent(network.solve());
   }
 
   Tangent compute_affine_tangent(const ContactGraph &graph)
   {
-    return Network(graph).compute_tangent(nullptr);
+    // Branches follow the mean strain: one sum over contacts, K_ij b_k b_l, serves all strains.
+    Eigen::Matrix<double, 9, 6> sum = Eigen::Matrix<double, 9, 6>::Zero(); // K column by column; kl as in a tangent
+    Matrix stress = Matrix::Zero();
+    for (const Contact &contact : graph.contacts)
+      {
+        const Matrix k = compute_translational_stiffness(contact);
+        const Vector &branch = contact.branch;
+        Eigen::Matrix<double, 6, 1> square;
+        for (int m = 0; m < 6; ++m)
+          square[m] = branch[tangent_index[m][0]] * branch[tangent_index[m][1]];
+        sum += Eigen::Map<const Eigen::Matrix<double, 9, 1>>(k.data()) * square.transpose();
+        stress += compute_force_on_a(contact) * branch.transpose();
+      }
+    std::array<Matrix, 6> change;
+    for (int c = 0; c < 6; ++c)
+      {
+        const Matrix strain = make_unit_strain(c);
+        change[c] = stress * strain.transpose();
+        for (int l = 0; l < 3; ++l)
+          for (int j = 0; j < 3; ++j)
+            for (int k = 0; k < 3; ++k)
+              change[c].col(l) += strain(j, k) * sum.col(find_tangent_index(k, l)).segment<3>(3 * j);
+      }
+    return make_tangent(change, stress, graph.volume);
   }
 } // namespace dem

@@ -92,8 +92,9 @@ namespace dem
     const RevState &get_committed() const { return committed_; }
     const RevState &get_baseline() const { return baseline_; }
     const RevState &get_trial() const;
-    /** The trial's stress alone [Pa]: what most questions are asked for, and never looked at again. */
-    const Matrix &get_trial_stress() const { return trial_.stress; }
+    /** The trial with crack velocities that may be from before its run to rest: enough for its stress and tangent,
+     * which is all that most trials are asked for. */
+    const RevState &peek_trial() const { return trial_; }
     /** What split between the last two commits, in order. */
     const std::vector<Fracture> &get_last_fractures() const { return last_fractures_; }
 

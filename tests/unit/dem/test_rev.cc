@@ -96,7 +96,7 @@ namespace
     EXPECT_NE(trial.grains.largest_contact_stress, get_loaded_state().grains.largest_contact_stress);
 
     unseen.deform(make_stretch());
-    EXPECT_TRUE(unseen.get_trial_stress() == trial.stress);
+    EXPECT_TRUE(unseen.peek_trial().stress == trial.stress);
     unseen.deform(Matrix::Identity());
     EXPECT_TRUE(are_equal_bits(unseen.get_trial(), get_loaded_state()));
     unseen.deform(make_stretch());
