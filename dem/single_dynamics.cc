@@ -11,11 +11,11 @@ namespace dem
   namespace
   {
     /** The far pairs of a block, which come first, or its near ones. */
-    template <bool is_rough, bool is_rotation_free>
+    template <bool is_rough, bool is_rotation_free, bool is_upright>
     ContactSums compute_pairs(const SingleTask &task, const GrainBlock &block, const SingleGrains &grains,
                               std::vector<SinglePack> &packs, const SinglePairResults &results, const bool is_far)
     {
-      SinglePairLoop<is_rough, is_rotation_free> loop(task, grains, packs, results);
+      SinglePairLoop<is_rough, is_rotation_free, is_upright> loop(task, grains, packs, results);
       if (!is_far)
         loop.run_near(block);
       else
@@ -29,11 +29,14 @@ namespace dem
     using Compute = ContactSums (*)(const SingleTask &, const GrainBlock &, const SingleGrains &,
                                     std::vector<SinglePack> &, const SinglePairResults &, bool);
 
-    Compute choose(const bool is_rough, const bool is_rotation_free)
+    /** The loop for what is known of it, question by question. */
+    template <bool... answers, typename... Questions>
+    Compute choose(const bool is_so, const Questions... others)
     {
-      if (is_rough)
-        return is_rotation_free ? compute_pairs<true, true> : compute_pairs<true, false>;
-      return is_rotation_free ? compute_pairs<false, true> : compute_pairs<false, false>;
+      if constexpr (sizeof...(others) == 0)
+        return is_so ? compute_pairs<answers..., true> : compute_pairs<answers..., false>;
+      else
+        return is_so ? choose<answers..., true>(others...) : choose<answers..., false>(others...);
     }
 
     Row to_double(const SingleRow &row)
@@ -48,7 +51,7 @@ namespace dem
   public:
     Run(SingleDynamics &dynamics, const ForceTask &task, ContactNetwork &network, Forces &forces, const Hook &hook)
         : dynamics_(dynamics), task_(make_single_task(task, network)), network_(network), forces_(forces), hook_(hook),
-          compute_(choose(task.law.roughness > 0., task.motion.is_rotation_free))
+          compute_(choose(task.law.roughness > 0., task.motion.is_rotation_free, task_.is_upright))
     {}
 
     void compute_far(const std::size_t k) const { compute_far(k, dynamics_.force_.data()); }

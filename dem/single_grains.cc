@@ -20,10 +20,12 @@ namespace dem
   SingleTask make_single_task(const ForceTask &task, const ContactNetwork &network)
   {
     const Matrix &edges = task.state.cell.edges, &then = network.edges_when_built;
+    const Matrix &strain = task.motion.strain_increment;
     return {task.law,
             SingleMatrix(edges / n_counts),
             SingleMatrix((edges - then) * then.inverse()),
-            SingleMatrix(task.motion.strain_increment),
+            SingleMatrix(strain),
+            then.isDiagonal(0.) && edges.isDiagonal(0.) && strain.isDiagonal(0.),
             static_cast<float>(task.motion.time_step),
             task.motion.has_contact_stress,
             task.motion.has_sums};

@@ -19,6 +19,7 @@ namespace dem
     SingleMatrix edges;  ///< E [m per count]
     SingleMatrix growth; ///< G = (E - E0) E0^-1, what the cell has been strained since the network was built [-]
     SingleMatrix strain; ///< L dt [-]
+    bool is_upright;     ///< these three are diagonal: the edges lie along the axes, and stay there
     float time_step;     ///< [s], or 1 cycle
     bool has_contact_stress, has_sums; ///< as in Motion
   };

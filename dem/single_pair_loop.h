@@ -2,19 +2,13 @@
 
 #include "dem/contact_forces.h"
 #include "dem/single_grains.h"
+#include "dem/single_sums.h"
 #include "dem/single_twins.h"
 
 #include <algorithm>
 
 namespace dem
 {
-  template <typename L>
-  [[gnu::always_inline]] inline LaneVectorOf<L> apply(const SingleMatrix &m, const LaneVectorOf<L> &v)
-  {
-    return {m.xx * v.x + m.xy * v.y + m.xz * v.z, m.yx * v.x + m.yy * v.y + m.yz * v.z,
-            m.zx * v.x + m.zy * v.y + m.zz * v.z};
-  }
-
   /** Where results of the loop that are not kept in packs go. */
   struct SinglePairResults
   {
@@ -29,7 +23,7 @@ namespace dem
    * The pairs of a block in single precision, as many at a time as L has lanes: PairLoop's work by the same law.
    * Overlap and branch are those when the network was built plus their change since (docs/theory.md Eq. 6.14).
    */
-  template <bool is_rough, bool is_rotation_free>
+  template <bool is_rough, bool is_rotation_free, bool is_upright>
   class SinglePairLoop
   {
   public:
@@ -49,18 +43,7 @@ namespace dem
     /** Far pairs: what the second grain gets waits in `far_forces`. */
     void run_far(const GrainBlock &block) { run<true>(block.far_begin, block.near_begin, block.first_far); }
 
-    ContactSums finish() const
-    {
-      if (!task_.has_sums)
-        return get_unknown_sums();
-      ContactSums sums;
-      for (int k = 0; k < 9; ++k)
-        sums.force_times_branch(k / 3, k % 3) = sum_lanes(moment_[k]);
-      sums.normal_force = sum_lanes(normal_force_);
-      sums.stiffness_moment = sum_lanes(stiffness_moment_);
-      sums.n_touching = n_touching_;
-      return sums;
-    }
+    ContactSums finish() const { return task_.has_sums ? sums_.add_up() : get_unknown_sums(); }
 
   private:
     /** How pairs touch, and how their grains move. */
@@ -79,36 +62,58 @@ namespace dem
       NormalLanesOf<L> normal;
     };
 
-    /** Flattened: called pieces of it would pass vectors through memory. */
     template <bool is_far>
-    [[gnu::flatten]] void run(const std::size_t begin, const std::size_t end, std::size_t far)
+    void run(const std::size_t begin, const std::size_t end, const std::size_t far)
     {
-      std::size_t k = begin;
-      if constexpr (width > n_singles)
-        for (; k + width <= end; k += width, far += width)
-          compute<is_far, Twins>(k, far);
-      for (; k < end; k += n_singles, far += n_singles)
-        compute<is_far, Singles>(k, far);
+      const std::size_t rest = run_in<is_far, Twins>(begin, end, far);
+      run_in<is_far, Singles>(rest, end, far + (rest - begin));
     }
 
+    /**
+     * As many pairs as there are whole L of. How the next ones have moved is found before forces are given: giving
+     * waits for roots and divisions, which this has no part in. Flattened: called pieces of it would pass vectors
+     * through memory. @return the first pair that is left
+     */
     template <bool is_far, typename L>
-    [[gnu::always_inline]] void compute(const std::size_t k, const std::size_t far)
+    [[gnu::flatten]] std::size_t run_in(std::size_t k, const std::size_t end, std::size_t far)
+    {
+      constexpr std::size_t width = n_parts<L> * n_singles;
+      if (k + width > end)
+        return k;
+      LaneVectorOf<L> moves = load_moves<L>(packs_ + k / n_singles);
+      for (; k + width <= end; k += width, far += width)
+        {
+          const std::size_t next = k + 2 * width <= end ? k + width : k;
+          compute<is_far, L>(k, far, packs_ + next / n_singles, moves);
+        }
+      return k;
+    }
+
+    /** @param moves  of these pairs; afterwards those of the next [counts] */
+    template <bool is_far, typename L>
+    [[gnu::always_inline]] void compute(const std::size_t k, const std::size_t far, const SinglePack *const next,
+                                        LaneVectorOf<L> &moves)
     {
       SinglePack *const packs = packs_ + k / n_singles;
       if (is_beyond_cache_)
         fetch<is_far, n_parts<L>>(k / n_singles, far);
       Touch<L> touch;
-      measure(packs, touch);
+      measure(packs, moves, touch);
       if (!is_any(touch.is_touching))
-        return leave_apart<is_far, n_parts<L> * n_singles>(k, packs, far);
+        {
+          moves = load_moves<L>(next);
+          return leave_apart<is_far, n_parts<L> * n_singles>(k, packs, far);
+        }
       load_motion(packs, touch);
       press(k, packs, touch);
       const LaneVectorOf<L> shear = update_shear(k, packs, touch);
       const LaneVectorOf<L> force = add(shear, -touch.normal.force, touch.unit);
       if (task_.has_sums) // not another function, in which the compiler would round in other places
-        add_to_sums(touch, force);
-      for_each_part<L>(
-          [&](const int part) { give<is_far>(packs[part], far + part * n_singles, part, touch, force, shear); });
+        sums_.add(force, touch.branch, touch.normal, touch.distance, touch.is_touching);
+      moves = load_moves<L>(next);
+      for_each_part<L>([&](const int part) {
+        give<is_far>(*forget(packs + part), far + part * n_singles, part, touch, force, shear);
+      });
     }
 
     /** Calls into the cache what later pairs need, as PairLoop does. */
@@ -164,7 +169,7 @@ namespace dem
     {
       FourSingles moved[n_parts<L>];
       for_each_part<L>([&](const int part) {
-        moved[part] = load_quads([&pack = packs[part], this](const int i) {
+        moved[part] = load_quads([&pack = *forget(packs + part), this](const int i) {
           return reinterpret_cast<Quad>(load_row(get_row(counts_, pack.row_b[i])) -
                                         load_row(get_row(counts_, pack.row_a[i])));
         });
@@ -176,11 +181,22 @@ namespace dem
     }
 
     template <typename L>
-    [[gnu::always_inline]] void measure(const SinglePack *const packs, Touch<L> &touch) const
+    [[gnu::always_inline]] static LaneVectorOf<L> transform(const SingleMatrix &m, const LaneVectorOf<L> &v)
+    {
+      if constexpr (is_upright)
+        return {m.xx * v.x, m.yy * v.y, m.zz * v.z};
+      else
+        return {m.xx * v.x + m.xy * v.y + m.xz * v.z, m.yx * v.x + m.yy * v.y + m.yz * v.z,
+                m.zx * v.x + m.zy * v.y + m.zz * v.z};
+    }
+
+    template <typename L>
+    [[gnu::always_inline]] void measure(const SinglePack *const packs, const LaneVectorOf<L> &moves,
+                                        Touch<L> &touch) const
     {
       const LaneVectorOf<L> then{load<L>(packs, &SinglePack::branch_x), load<L>(packs, &SinglePack::branch_y),
                                  load<L>(packs, &SinglePack::branch_z)};
-      const LaneVectorOf<L> change = add(apply(task_.edges, load_moves<L>(packs)), 1.f, apply(task_.growth, then));
+      const LaneVectorOf<L> change = add(transform(task_.edges, moves), 1.f, transform(task_.growth, then));
       touch.branch = add(then, 1.f, change);
       const L overlap_then = load<L>(packs, &SinglePack::overlap), sum = load<L>(packs, &SinglePack::radius_sum);
       const L square = dot(touch.branch, touch.branch), inverse = compute_inverse_root(square);
@@ -200,7 +216,7 @@ namespace dem
         {
           FourSingles faster[n_parts<L>];
           for_each_part<L>([&](const int part) {
-            faster[part] = load_quads([&pack = packs[part], this](const int i) {
+            faster[part] = load_quads([&pack = *forget(packs + part), this](const int i) {
               return load_row(get_row(motion_, pack.row_b[i]).linear) -
                      load_row(get_row(motion_, pack.row_a[i]).linear);
             });
@@ -220,11 +236,10 @@ namespace dem
       TwinSingles faster[n_parts<L>];
       FourSingles sums[n_parts<L>];
       for_each_part<L>([&](const int part) {
-        const SinglePack &pack = packs[part];
-        faster[part] = load_octets([&pack, this](const int i) {
+        faster[part] = load_octets([&pack = *forget(packs + part), this](const int i) {
           return load_row(get_row(motion_, pack.row_b[i])) - load_row(get_row(motion_, pack.row_a[i]));
         });
-        sums[part] = load_quads([&pack, this](const int i) {
+        sums[part] = load_quads([&pack = *forget(packs + part), this](const int i) {
           return load_row(get_row(motion_, pack.row_b[i]).angular) + load_row(get_row(motion_, pack.row_a[i]).angular);
         });
       });
@@ -277,7 +292,7 @@ namespace dem
           const LaneVectorOf<L> &unit = touch.unit;
           before = add_cross(before, {twist * unit.x, twist * unit.y, twist * unit.z}, before);
         }
-      const LaneVectorOf<L> step = add(apply(task_.strain, touch.branch), task_.time_step, touch.velocity);
+      const LaneVectorOf<L> step = add(transform(task_.strain, touch.branch), task_.time_step, touch.velocity);
       const auto shear = compute_shear_law(task_.law, touch.normal, touch.unit, before, step);
       for_each_part<L>([&](const int part) {
         store_singles(packs[part].shear_x, get_part(shear.force.x, part));
@@ -304,8 +319,10 @@ namespace dem
                                           get_part(touch.unit.z, part)},
                     LaneVectorOf<Singles>{get_part(shear.x, part), get_part(shear.y, part), get_part(shear.z, part)});
           const Singles mean = get_part(touch.mean_arm, part), more = get_part(touch.more_arm, part);
-          give_twins<is_far>(pack, far, {linear, {moment.x, moment.y, moment.z, mean * linear.w}}, mean - more,
-                             mean + more);
+          const Singles arm_a = mean - more, stiffness = mean * linear.w;
+          give_twins<is_far>(pack, far,
+                             {linear, {arm_a * moment.x, arm_a * moment.y, arm_a * moment.z, arm_a * stiffness}},
+                             (mean + more) / compute_larger(arm_a, 1e-36f));
         }
       else
         give_forces<is_far>(pack, far, linear);
@@ -330,19 +347,18 @@ namespace dem
       });
     }
 
-    /** @param rows  forces on a; moments over the lever arms, which follow [m] */
+    /** @param rows  forces and torques on a; how much longer b's lever arm is than a's follows [-] */
     template <bool is_far>
     [[gnu::always_inline]] void give_twins(const SinglePack &pack, const std::size_t far, const TwinSingles &rows,
-                                           const Singles arm_a, const Singles arm_b) const
+                                           const Singles ratio) const
     {
-      alignas(64) float arms_a[n_singles], arms_b[n_singles];
-      store_singles(arms_a, arm_a);
-      store_singles(arms_b, arm_b);
+      alignas(64) float ratios[n_singles];
+      store_singles(ratios, ratio);
       TwinRow *const forces = results_.forces, *const far_forces = results_.far_forces + far;
       give_octets(rows, [&](const int j, const Octet row) {
         TwinRow &of_a = get_row(forces, pack.row_a[j]);
-        store_row(of_a, load_row(of_a) + join(Quad{1.f, 1.f, 1.f, 1.f}, arms_a[j]) * row);
-        const Octet on_b = join(Quad{-1.f, -1.f, -1.f, 1.f}, arms_b[j]) * row; // stiffness adds up as a's does
+        store_row(of_a, load_row(of_a) + row);
+        const Octet on_b = join(Quad{-1.f, -1.f, -1.f, 1.f}, ratios[j]) * row; // stiffness adds up as a's does
         if constexpr (is_far)
           store_row(far_forces[j], on_b);
         else
@@ -353,28 +369,9 @@ namespace dem
       });
     }
 
-    template <typename L>
-    [[gnu::always_inline]] void add_to_sums(const Touch<L> &touch, const LaneVectorOf<L> &force)
-    {
-      const LaneVectorOf<L> &x = touch.branch;
-      add_to(moment_[0], force.x * x.x), add_to(moment_[1], force.x * x.y), add_to(moment_[2], force.x * x.z);
-      add_to(moment_[3], force.y * x.x), add_to(moment_[4], force.y * x.y), add_to(moment_[5], force.y * x.z);
-      add_to(moment_[6], force.z * x.x), add_to(moment_[7], force.z * x.y), add_to(moment_[8], force.z * x.z);
-      add_to(normal_force_, touch.normal.force);
-      add_to(stiffness_moment_, touch.normal.stiffness * (touch.distance * touch.distance));
-      n_touching_ += static_cast<std::size_t>(count(touch.is_touching));
-    }
-
-    template <typename L>
-    [[gnu::always_inline]] static void add_to(Singles &sum, const L &value)
-    {
-      for_each_part<L>([&](const int part) { sum += get_part(value, part); });
-    }
-
-    static constexpr std::size_t line = 64;             ///< of the cache [bytes]
-    static constexpr std::size_t fetch_ahead = 4;       ///< packs; their lists are called twice as far ahead
-    static constexpr std::size_t fetched_grains = 6;    ///< with each pack: those of a block with its near pairs
-    static constexpr std::size_t width = 2 * n_singles; // lanes taken at a time while there are as many
+    static constexpr std::size_t line = 64;          ///< of the cache [bytes]
+    static constexpr std::size_t fetch_ahead = 4;    ///< packs; their lists are called twice as far ahead
+    static constexpr std::size_t fetched_grains = 6; ///< with each pack: those of a block with its near pairs
 
     const SingleTask task_;
     const CountRow *const counts_;
@@ -385,8 +382,6 @@ namespace dem
     std::size_t next_ = 0; // grain to be called into the cache
     const SinglePairResults results_;
 
-    // Sums over contacts, one a lane until the end of a block.
-    Singles moment_[9] = {0.f, 0.f, 0.f, 0.f, 0.f, 0.f, 0.f, 0.f, 0.f}, normal_force_ = 0.f, stiffness_moment_ = 0.f;
-    std::size_t n_touching_ = 0;
+    SingleSums sums_;
   };
 } // namespace dem

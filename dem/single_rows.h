@@ -60,6 +60,15 @@ namespace dem
   /** Where the counts of a grain lie [bytes behind the first]; its twin rows lie twice as far. */
   using SingleOffset = std::uint32_t;
 
+  /** The same place, of which the compiler does not know what it has read there: reading again costs less than keeping
+   * dozens of offsets where there is no register left for them. */
+  template <typename T>
+  [[gnu::always_inline]] inline T *forget(T *place)
+  {
+    asm("" : "+r"(place));
+    return place;
+  }
+
   template <typename R>
   [[gnu::always_inline]] inline R &get_row(R *const rows, const SingleOffset offset)
   {
