@@ -163,6 +163,30 @@ namespace dem
 #endif
   }
 
+  /** 1/value to some roundings. @pre value normal */
+  [[gnu::always_inline]] inline Singles compute_inverse(const Singles value)
+  {
+#ifdef __AVX512VL__
+    const Singles estimate = estimate_inverse(value);
+    return estimate + estimate * (1.f - value * estimate);
+#else
+    return 1.f / value;
+#endif
+  }
+
+  /** The nearest whole numbers. */
+  [[gnu::always_inline]] inline SingleBits round_singles(const Single value)
+  {
+#ifdef __AVX512VL__
+    return reinterpret_cast<SingleBits>(_mm512_cvtps_epi32(reinterpret_cast<__m512>(value)));
+#else
+    SingleBits rounded;
+    for (int i = 0; i < n_singles; ++i)
+      rounded[i] = static_cast<std::int32_t>(std::lrint(value[i]));
+    return rounded;
+#endif
+  }
+
   [[gnu::always_inline]] inline double sum_lanes(const Singles value)
   {
     double sum = 0.;
