@@ -49,7 +49,7 @@ namespace dem
    * lost.
    *
    * @param places    of the grains to split, each once
-   * @param contacts  of the state
+   * @param contacts  of the state, in its order: those of the grains to split at least
    */
   void split_grains(RevState &state, std::vector<std::size_t> places, std::span<const Contact> contacts,
                     const FractureRule &rule, const RevIdentity &identity);

@@ -11,6 +11,32 @@
 
 namespace dem
 {
+  namespace
+  {
+    Contact make_contact(const RevState &state, const ContactMemory &memory, const ContactLaw &law)
+    {
+      if (is_wall(memory.b))
+        return make_wall_contact(state, memory, law);
+      const Row &a = state.grains.place[memory.a], &b = state.grains.place[memory.b];
+      Contact contact;
+      contact.a = memory.a;
+      contact.b = memory.b;
+      contact.branch = compute_branch(state.cell, a, b);
+      const double distance = contact.branch.norm();
+      contact.normal = contact.branch / distance;
+      contact.crept_overlap = find_crept_overlap(state, memory.a, memory.b);
+      contact.overlap = a.w + b.w - contact.crept_overlap - distance;
+      contact.effective_radius = compute_effective_radius(a.w, b.w);
+      const NormalResponse normal = compute_normal_response(law, contact.overlap, contact.effective_radius);
+      contact.normal_force = normal.force;
+      contact.normal_stiffness = normal.stiffness;
+      contact.shear_stiffness = law.shear_ratio * normal.stiffness;
+      contact.shear_force = memory.shear_force;
+      contact.is_sliding = memory.is_sliding;
+      return contact;
+    }
+  } // namespace
+
   std::size_t ContactNetwork::count_bytes() const
   {
     return dem::count_bytes(a, b, row_a, row_b, radius_sum, root_radius, shear_x, shear_y, shear_z, status, blocks,
@@ -92,30 +118,20 @@ namespace dem
     std::vector<Contact> contacts;
     contacts.reserve(state.contacts.size());
     for (const ContactMemory &memory : state.contacts)
-      {
-        if (is_wall(memory.b))
-          {
-            contacts.push_back(make_wall_contact(state, memory, law));
-            continue;
-          }
-        const Row &a = state.grains.place[memory.a], &b = state.grains.place[memory.b];
-        Contact contact;
-        contact.a = memory.a;
-        contact.b = memory.b;
-        contact.branch = compute_branch(state.cell, a, b);
-        const double distance = contact.branch.norm();
-        contact.normal = contact.branch / distance;
-        contact.crept_overlap = find_crept_overlap(state, memory.a, memory.b);
-        contact.overlap = a.w + b.w - contact.crept_overlap - distance;
-        contact.effective_radius = compute_effective_radius(a.w, b.w);
-        const NormalResponse normal = compute_normal_response(law, contact.overlap, contact.effective_radius);
-        contact.normal_force = normal.force;
-        contact.normal_stiffness = normal.stiffness;
-        contact.shear_stiffness = law.shear_ratio * normal.stiffness;
-        contact.shear_force = memory.shear_force;
-        contact.is_sliding = memory.is_sliding;
-        contacts.push_back(contact);
-      }
+      contacts.push_back(make_contact(state, memory, law));
+    return contacts;
+  }
+
+  std::vector<Contact> list_contacts_of(const RevState &state, const std::span<const std::size_t> places,
+                                        const ContactLaw &law)
+  {
+    std::vector<bool> is_one(state.grains.size(), false);
+    for (const std::size_t place : places)
+      is_one[place] = true;
+    std::vector<Contact> contacts;
+    for (const ContactMemory &memory : state.contacts)
+      if (is_one[memory.a] || (!is_wall(memory.b) && is_one[memory.b]))
+        contacts.push_back(make_contact(state, memory, law));
     return contacts;
   }
 } // namespace dem

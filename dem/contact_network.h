@@ -88,7 +88,8 @@ namespace dem
    *  image of what a grain touches to be that grain itself. */
   bool is_wide_enough(const Cell &cell, double reach);
 
-  /** For who builds once and for one skin of all pairs [m], by the calling thread alone (NetworkBuilder builds again and again).
+  /** For who builds once and for one skin of all pairs [m], by the calling thread alone (NetworkBuilder builds again
+   * and again).
    *
    * @pre is_wide_enough(state.cell, compute_reach(state.grains, skin)) */
   ContactNetwork build_contact_network(const RevState &state, double skin);
@@ -102,6 +103,10 @@ namespace dem
   /** The touching pairs of a state with all that is known of them, in the order of state.contacts; forces by the
    *  reference law. */
   std::vector<Contact> list_contacts(const RevState &state, const ContactLaw &law);
+
+  /** Those of them that one of some grains is in. @param places  of the grains */
+  std::vector<Contact> list_contacts_of(const RevState &state, std::span<const std::size_t> places,
+                                        const ContactLaw &law);
 
   /** x_b - x_a between the nearest images [m]. */
   Vector compute_branch(const Cell &cell, const Row &place_a, const Row &place_b);

@@ -36,7 +36,7 @@ namespace dem
         if (broken.empty())
           return;
         dynamics.store_contacts();
-        split_grains(state_, broken, list_contacts(state_, law_), rule_.fracture, rule_.identity);
+        split_grains(state_, broken, list_contacts_of(state_, broken, law_), rule_.fracture, rule_.identity);
         dynamics.rebuild();
         dynamics.compute_forces();
       }

@@ -172,10 +172,13 @@ namespace dem
     const Stopwatch watch(profile_[Part::ageing]);
     const auto broken = advance_cracks(baseline_.grains, dt);
     std::vector<Contact> contacts; // as they were before anything crept
-    if (model_.creep.has_contact_creep() || !broken.empty())
-      contacts = list_contacts(baseline_, law_);
     if (model_.creep.has_contact_creep())
-      advance_contact_creep(baseline_, contacts, model_.creep, dt);
+      {
+        contacts = list_contacts(baseline_, law_);
+        advance_contact_creep(baseline_, contacts, model_.creep, dt);
+      }
+    else if (!broken.empty())
+      contacts = list_contacts_of(baseline_, broken, law_);
     baseline_.time += dt;
     for (const std::size_t place : broken)
       record_fracture(baseline_, place, BreakageCause::delayed);
@@ -198,7 +201,7 @@ namespace dem
       return 0;
     for (const std::size_t place : places)
       record_fracture(baseline_, place, BreakageCause::instant);
-    split_grains(baseline_, places, list_contacts(baseline_, law_), model_.fracture, model_.identity);
+    split_grains(baseline_, places, list_contacts_of(baseline_, places, law_), model_.fracture, model_.identity);
     return places.size();
   }
 

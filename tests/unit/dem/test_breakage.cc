@@ -1,6 +1,7 @@
 #include "dem/breakage.h"
 
 #include "dem/splitting.h"
+#include "dem/walls.h"
 #include "tests/support/rev_cases.h"
 
 #include <gtest/gtest.h>
@@ -104,6 +105,29 @@ namespace
         EXPECT_LT(after.grains.crack_half_length[i], after.grains.place[i].w);
       }
     EXPECT_EQ(after.counters.next_id, n_grains + 3 * n_siblings);
+  }
+
+  TEST(Breakage, ASplitAsksForTheContactsOfItsGrainsAlone)
+  {
+    // Law: a split that is told the contacts of the grains to split, few of all, walls among them, does what one does
+    // that is told all. Bit by bit.
+    const ContactLaw law = make_contact_law(GrainMaterial{});
+    for (const RevState &before :
+         {get_loaded_state(), make_rev(RevModel{}, get_walled_packing().state).get_committed()})
+      {
+        std::vector<std::size_t> places = {3, 10, 40};
+        for (const ContactMemory &memory : before.contacts)
+          if (is_wall(memory.b) && places.size() < 6 && std::ranges::count(places, memory.a) == 0)
+            places.push_back(memory.a);
+        ASSERT_EQ(places.size() > 3, before.cell.has_walls());
+        const std::vector<Contact> all = list(before), some = list_contacts_of(before, places, law);
+        ASSERT_GT(some.size(), places.size());
+        ASSERT_LT(some.size(), all.size() / 2);
+        RevState told_all = before, told_some = before;
+        split_grains(told_all, places, all, FractureRule{}, {});
+        split_grains(told_some, places, some, FractureRule{}, {});
+        EXPECT_TRUE(are_equal_bits(told_some, told_all));
+      }
   }
 
   TEST(Breakage, SiblingsDrawFromTheirOwnStreams)
