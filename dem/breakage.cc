@@ -50,7 +50,7 @@ namespace dem
       const auto siblings = compute_siblings(direction, 2. * std::numbers::pi * stream.draw_uniform());
       const Matrix to_fraction = state.cell.edges.inverse();
       const double radius = grains.place[parent].w;
-      grains.resize(first + n_siblings);
+      state.resize_grains(first + n_siblings);
       for (std::size_t k = 0; k < n_siblings; ++k)
         {
           const std::size_t i = first + k;
@@ -79,8 +79,7 @@ namespace dem
           n_kept += is_kept[i] ? 1 : 0;
         }
       const auto is_there = [&](const std::uint32_t partner) { return is_wall(partner) || is_kept[partner]; };
-      std::erase_if(state.contacts,
-                    [&](const ContactMemory &memory) { return !is_there(memory.a) || !is_there(memory.b); });
+      state.contacts.erase_if([&](const ContactMemory &memory) { return !is_there(memory.a) || !is_there(memory.b); });
       for (ContactMemory &memory : state.contacts)
         {
           memory.a = new_place[memory.a];

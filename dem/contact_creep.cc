@@ -152,7 +152,7 @@ namespace dem
     std::sort(crept.begin(), crept.end(), [](const CreptContact &first, const CreptContact &second) {
       return first.a != second.a ? first.a < second.a : first.b < second.b;
     });
-    state.crept_contacts = std::move(crept);
+    state.set_crept_contacts(crept);
   }
 
   void forget_open_contacts(RevState &state)
@@ -164,7 +164,7 @@ namespace dem
       if (const CreptContact *const found = find_crept(state, name_contact(state, memory.a, memory.b)))
         is_kept[found - state.crept_contacts.data()] = true;
     std::size_t i = 0;
-    std::erase_if(state.crept_contacts, [&](const CreptContact &) { return !is_kept[i++]; });
+    state.crept_contacts.erase_if([&](const CreptContact &) { return !is_kept[i++]; });
   }
 
   double find_crept_overlap(const RevState &state, const std::uint32_t a, const std::uint32_t b)

@@ -83,12 +83,12 @@ namespace dem
   std::vector<ContactMemory> collect_memories(const ContactNetwork &network)
   {
     Team alone(1);
-    std::vector<ContactMemory> memories;
-    collect_memories(network, alone, memories);
-    return memories;
+    RevArrays arrays;
+    store_memories(network, alone, arrays);
+    return {arrays.contacts.begin(), arrays.contacts.end()};
   }
 
-  void collect_memories(const ContactNetwork &network, Team &team, std::vector<ContactMemory> &memories)
+  void store_memories(const ContactNetwork &network, Team &team, RevArrays &state)
   {
     const std::size_t n_shares = team.size();
     const auto get_bound = [&](const std::size_t share) { return network.size() * share / n_shares; };
@@ -101,16 +101,20 @@ namespace dem
       first[share + 1] = n;
     });
     std::partial_sum(first.begin(), first.end(), first.begin());
-    memories.resize(first.back());
+    const auto is_pushed = [](const WallPair &pair) { return pair.status != PairStatus::is_apart; };
+    const auto n_pushed = std::count_if(network.wall_pairs.begin(), network.wall_pairs.end(), is_pushed);
+    state.resize_contacts(first.back() + static_cast<std::size_t>(n_pushed));
     team.run(n_shares, [&](const std::size_t share) {
       std::size_t to = first[share];
       for (std::size_t k = get_bound(share); k < get_bound(share + 1); ++k)
         if (is_touching(k))
-          memories[to++] = {network.a[k], network.b[k], network.get_shear(k), network.status[k] == PairStatus::slides};
+          state.contacts[to++] = {network.a[k], network.b[k], network.get_shear(k),
+                                  network.status[k] == PairStatus::slides};
     });
+    std::size_t to = first.back();
     for (const WallPair &pair : network.wall_pairs)
-      if (pair.status != PairStatus::is_apart)
-        memories.push_back({pair.grain, to_partner(pair.wall), pair.shear_force, pair.status == PairStatus::slides});
+      if (is_pushed(pair))
+        state.contacts[to++] = {pair.grain, to_partner(pair.wall), pair.shear_force, pair.status == PairStatus::slides};
   }
 
   std::vector<Contact> list_contacts(const RevState &state, const ContactLaw &law)

@@ -97,8 +97,8 @@ namespace dem
   /** What its touching pairs remember, in the network's order; walls after all grains. */
   std::vector<ContactMemory> collect_memories(const ContactNetwork &network);
 
-  /** The same into room that is there already, by a team. */
-  void collect_memories(const ContactNetwork &network, Team &team, std::vector<ContactMemory> &memories);
+  /** The same into the contacts of a state, by a team. */
+  void store_memories(const ContactNetwork &network, Team &team, RevArrays &state);
 
   /** The touching pairs of a state with all that is known of them, in the order of state.contacts; forces by the
    *  reference law. */

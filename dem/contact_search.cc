@@ -34,7 +34,7 @@ namespace dem
     return n_bytes;
   }
 
-  const std::vector<NearPair> &ContactSearch::list_near_pairs(const Cell &cell, const std::vector<Row> &place,
+  const std::vector<NearPair> &ContactSearch::list_near_pairs(const Cell &cell, const std::span<const Row> place,
                                                               const double skin, Team &team)
   {
     boxes_.sort(cell, place, skin);
@@ -64,7 +64,7 @@ namespace dem
     return pairs_;
   }
 
-  const std::vector<NearPair> &ContactSearch::list_near_pairs(const Cell &cell, const std::vector<Row> &place,
+  const std::vector<NearPair> &ContactSearch::list_near_pairs(const Cell &cell, const std::span<const Row> place,
                                                               const double skin)
   {
     Team alone(1);
@@ -82,7 +82,7 @@ namespace dem
       }
   }
 
-  void ContactSearch::seek(const std::vector<Row> &place, Team &team)
+  void ContactSearch::seek(const std::span<const Row> place, Team &team)
   {
     const std::vector<std::uint32_t> &start = boxes_.get_start();
     const auto find_box = [&](const std::size_t share) { // boxes with about as many grains for each thread
@@ -137,7 +137,7 @@ namespace dem
       }
   }
 
-  std::vector<NearPair> list_near_pairs(const Cell &cell, const std::vector<Row> &place, const double skin)
+  std::vector<NearPair> list_near_pairs(const Cell &cell, const std::span<const Row> place, const double skin)
   {
     ContactSearch search;
     return search.list_near_pairs(cell, place, skin);

@@ -29,11 +29,10 @@ namespace dem
      *
      * @pre the cell is wider than twice the largest reach, 2 max R + skin (is_wide_enough)
      */
-    const std::vector<NearPair> &list_near_pairs(const Cell &cell, const std::vector<Row> &place, double skin,
-                                                 Team &team);
+    const std::vector<NearPair> &list_near_pairs(const Cell &cell, std::span<const Row> place, double skin, Team &team);
 
     /** The same by the calling thread alone. */
-    const std::vector<NearPair> &list_near_pairs(const Cell &cell, const std::vector<Row> &place, double skin);
+    const std::vector<NearPair> &list_near_pairs(const Cell &cell, std::span<const Row> place, double skin);
 
     /** Where the pairs of each first grain begin in the last list; one number more than grains. */
     const std::vector<std::uint32_t> &get_first_pairs() const { return first_; }
@@ -49,7 +48,7 @@ namespace dem
     };
 
     void share_grains(std::size_t n_grains, std::size_t n_owners);
-    void seek(const std::vector<Row> &place, Team &team);
+    void seek(std::span<const Row> place, Team &team);
     void sort_pairs(std::size_t number);
     void write_pairs(const Owner &owner);
 
@@ -62,5 +61,5 @@ namespace dem
   };
 
   /** The pairs that ContactSearch finds, for who asks once. @pre as there */
-  std::vector<NearPair> list_near_pairs(const Cell &cell, const std::vector<Row> &place, double skin);
+  std::vector<NearPair> list_near_pairs(const Cell &cell, std::span<const Row> place, double skin);
 } // namespace dem

@@ -204,7 +204,7 @@ namespace dem
   {
     if (single_)
       single_->write_shear(network_);
-    collect_memories(network_, team_, state_.contacts);
+    store_memories(network_, team_, state_);
   }
 
   void Dynamics::store()

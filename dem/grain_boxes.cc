@@ -35,7 +35,7 @@ namespace dem
     return dem::count_bytes(levels_, smallest_, box_, start_) + sorted_.count_bytes();
   }
 
-  void GrainBoxes::sort(const Cell &cell, const std::vector<Row> &place, const double skin)
+  void GrainBoxes::sort(const Cell &cell, const std::span<const Row> place, const double skin)
   {
     cell_ = cell;
     skin_ = skin;
@@ -55,7 +55,7 @@ namespace dem
     sort_into_boxes(place);
   }
 
-  void GrainBoxes::update_levels(const std::vector<Row> &place)
+  void GrainBoxes::update_levels(const std::span<const Row> place)
   {
     double largest = 0., smallest = std::numeric_limits<double>::infinity();
     for (const Row &row : place)
@@ -116,7 +116,7 @@ namespace dem
     return level.first_box + static_cast<std::uint32_t>((k * level.n[1] + j) * level.n[0] + i);
   }
 
-  void GrainBoxes::sort_into_boxes(const std::vector<Row> &place)
+  void GrainBoxes::sort_into_boxes(const std::span<const Row> place)
   {
     const std::size_t n_grains = place.size();
     box_.resize(n_grains);

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace dem
@@ -46,7 +47,7 @@ namespace dem
     static constexpr std::size_t lanes = 16;
 
     /** @param place  as ContactSearch has it  @param skin  that is looked for around grains [m] */
-    void sort(const Cell &cell, const std::vector<Row> &place, double skin);
+    void sort(const Cell &cell, std::span<const Row> place, double skin);
 
     const Cell &get_cell() const { return cell_; }
     double get_skin() const { return skin_; }
@@ -60,9 +61,9 @@ namespace dem
     std::size_t count_bytes() const; ///< memory that it holds
 
   private:
-    void update_levels(const std::vector<Row> &place);
+    void update_levels(std::span<const Row> place);
     void update_boxes();
-    void sort_into_boxes(const std::vector<Row> &place);
+    void sort_into_boxes(std::span<const Row> place);
     std::size_t find_level(double radius) const;
     std::uint32_t find_box(const Row &place) const;
     double wrap(double fraction) const;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "dem/column.h"
 #include "dem/vector.h"
 
 #include <cstdint>
@@ -11,32 +12,28 @@ namespace dem
   using GrainId = std::uint64_t;
 
   /**
-   * The grains of a REV as arrays of equal length; position in the arrays is a matter of storage, `id` names a grain.
+   * The grains of a REV as arrays of equal length, which lie in the block of its state (dem/rev_arrays.h); position in
+   * the arrays is a matter of storage, `id` names a grain.
    *
    * Positions are fractions of the cell's edges, so that a deforming cell carries its grains along and periodic images
    * are whole numbers apart.
    */
   struct Grains
   {
-    std::vector<Row> place;    ///< x, y, z: position in the cell [fraction of its edges]; w: radius [m]
-    std::vector<Row> velocity; ///< x, y, z: velocity beside the cell's own motion [m/s]; w: mass [kg]
-    std::vector<Row> spin;     ///< x, y, z: angular velocity [1/s]; w: moment of inertia [kg m2]
+    Column<Row> place;    ///< x, y, z: position in the cell [fraction of its edges]; w: radius [m]
+    Column<Row> velocity; ///< x, y, z: velocity beside the cell's own motion [m/s]; w: mass [kg]
+    Column<Row> spin;     ///< x, y, z: angular velocity [1/s]; w: moment of inertia [kg m2]
 
-    std::vector<GrainId> id;
-    std::vector<GrainId> parent;           ///< id of the grain it came from; its own id for a grain of the packing
-    std::vector<std::uint32_t> generation; ///< 0 in the packing, one more at each split
+    Column<GrainId> id;
+    Column<GrainId> parent;           ///< id of the grain it came from; its own id for a grain of the packing
+    Column<std::uint32_t> generation; ///< 0 in the packing, one more at each split
 
-    std::vector<double> strength;               ///< sigma_lim [Pa]
-    std::vector<double> crack_half_length;      ///< a [m]
-    std::vector<double> crack_velocity;         ///< v at the last equilibrium [m/s]
-    std::vector<double> largest_contact_stress; ///< sigma at the last equilibrium [Pa], compression-positive
+    Column<double> strength;               ///< sigma_lim [Pa]
+    Column<double> crack_half_length;      ///< a [m]
+    Column<double> crack_velocity;         ///< v at the last equilibrium [m/s]
+    Column<double> largest_contact_stress; ///< sigma at the last equilibrium [Pa], compression-positive
 
     std::size_t size() const { return place.size(); }
-
-    std::size_t count_bytes() const; ///< memory that the arrays hold
-
-    /** Makes room for n grains in every array. */
-    void resize(std::size_t n);
 
     /** Copies grain `from` of `source` into place `to` of this. */
     void assign(std::size_t to, const Grains &source, std::size_t from);
@@ -47,6 +44,23 @@ namespace dem
     /** Keeps the grains whose flag is set, in their order. @pre is_kept.size() == size() */
     void keep(const std::vector<bool> &is_kept);
   };
+
+  /** The one list of arrays, in the order of memory: calls the operation with each array of the first grains and the
+   * same one of the others. */
+  template <typename Operation, typename First, typename... Others>
+  void for_each_array(const Operation &operation, First &grains, Others &...others)
+  {
+    operation(grains.place, others.place...);
+    operation(grains.velocity, others.velocity...);
+    operation(grains.spin, others.spin...);
+    operation(grains.id, others.id...);
+    operation(grains.parent, others.parent...);
+    operation(grains.generation, others.generation...);
+    operation(grains.strength, others.strength...);
+    operation(grains.crack_half_length, others.crack_half_length...);
+    operation(grains.crack_velocity, others.crack_velocity...);
+    operation(grains.largest_contact_stress, others.largest_contact_stress...);
+  }
 
   /** Volume of the grains [m3]. */
   double compute_solid_volume(const Grains &grains);

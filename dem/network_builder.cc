@@ -109,7 +109,7 @@ namespace dem
 
   void NetworkBuilder::set_reaches(const RevState &state, const std::span<const double> skins, ContactNetwork &network)
   {
-    network.place_when_built = state.grains.place;
+    network.place_when_built.assign(state.grains.place.begin(), state.grains.place.end());
     double largest = 0.;
     for (std::size_t i = 0; i < skins.size(); ++i)
       largest = std::max(largest, network.place_when_built[i].w += skins[i]);

@@ -33,7 +33,7 @@ namespace dem
       const auto diameters =
           sample_diameters(rule.grading, rule.n_grains, {rule.seed, rule.number, 0, Purpose::diameter});
       RevState state;
-      state.grains.resize(rule.n_grains);
+      state.resize_grains(rule.n_grains);
       for (std::size_t i = 0; i < rule.n_grains; ++i)
         {
           RandomStream stream({rule.seed, number, i, Purpose::position});

@@ -3,6 +3,7 @@
 #include "dem/contact_network.h"
 #include "dem/walls.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -87,12 +88,13 @@ namespace dem
         }
     }
 
-    std::vector<std::size_t> read_lines(const std::string &file, RevState &state)
+    /** The grains of a file, and the line of each; the edges of the cell are set. */
+    std::vector<Row> read_grains(const std::string &file, Cell &cell, std::vector<std::size_t> &lines)
     {
       std::ifstream input(file);
       if (!input)
         throw std::runtime_error(file + ": " + std::strerror(errno));
-      std::vector<std::size_t> lines;
+      std::vector<Row> grains;
       std::string text;
       bool has_cell = false;
       for (std::size_t line = 1; std::getline(input, text); ++line)
@@ -101,17 +103,17 @@ namespace dem
             continue;
           if (text[0] == '#')
             {
-              has_cell = read_cell(file, line, text, state.cell) || has_cell;
+              has_cell = read_cell(file, line, text, cell) || has_cell;
               continue;
             }
           if (!has_cell)
             fail(file, line, "expected \"# cell Lx Ly Lz\" [m] before the first grain");
-          state.grains.place.push_back(read_grain(file, line, text, state.cell));
+          grains.push_back(read_grain(file, line, text, cell));
           lines.push_back(line);
         }
       if (lines.empty())
         throw std::runtime_error(file + ": no grains");
-      return lines;
+      return grains;
     }
   } // namespace
 
@@ -119,8 +121,10 @@ namespace dem
   {
     RevState state;
     state.cell.kind = kind;
-    const auto lines = read_lines(file, state);
-    state.grains.resize(lines.size());
+    std::vector<std::size_t> lines;
+    const std::vector<Row> places = read_grains(file, state.cell, lines);
+    state.resize_grains(places.size());
+    std::copy(places.begin(), places.end(), state.grains.place.begin());
     for (std::size_t i = 0; i < lines.size(); ++i)
       state.grains.id[i] = state.grains.parent[i] = i;
     state.counters.next_id = lines.size();

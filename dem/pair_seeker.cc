@@ -70,7 +70,7 @@ namespace dem
     return n_bytes;
   }
 
-  void PairSeeker::seek(const GrainBoxes &boxes, const std::vector<Row> &place, const std::uint32_t begin,
+  void PairSeeker::seek(const GrainBoxes &boxes, const std::span<const Row> place, const std::uint32_t begin,
                         const std::uint32_t end, const std::span<const std::uint32_t> owners)
   {
     boxes_ = &boxes;

@@ -28,7 +28,7 @@ namespace dem
      *
      * @param owners  first grains from which on a pair, by its first grain, goes to the next list
      */
-    void seek(const GrainBoxes &boxes, const std::vector<Row> &place, std::uint32_t begin, std::uint32_t end,
+    void seek(const GrainBoxes &boxes, std::span<const Row> place, std::uint32_t begin, std::uint32_t end,
               std::span<const std::uint32_t> owners);
 
     std::span<const NearPair> get_found(const std::size_t owner) const

@@ -1,7 +1,6 @@
 #include "dem/rev_state.h"
 
 #include "dem/checksum.h"
-#include "dem/memory.h"
 #include "dem/spatial_order.h"
 #include "dem/walls.h"
 
@@ -47,7 +46,7 @@ namespace dem
       }
 
       template <typename T>
-      void operator()(const std::vector<T> &values)
+      void operator()(const Column<T> &values)
       {
         static_assert(std::is_trivially_copyable_v<T>);
         const std::byte *first = reinterpret_cast<const std::byte *>(values.data());
@@ -80,7 +79,7 @@ namespace dem
       }
 
       template <typename T>
-      void operator()(std::vector<T> &values)
+      void operator()(Column<T> &values)
       {
         take(values.data(), values.size() * sizeof(T));
       }
@@ -190,7 +189,7 @@ namespace dem
 
   std::size_t count_bytes(const RevState &state)
   {
-    return sizeof state + state.grains.count_bytes() + count_bytes(state.contacts, state.crept_contacts);
+    return sizeof state + state.count_bytes();
   }
 
   void sort_in_space(RevState &state)
@@ -235,10 +234,9 @@ namespace dem
     const Header header = check_header(bytes);
     RevState state;
     state.cell.kind = header.version % crept == version_rigid % crept ? CellKind::rigid : CellKind::periodic;
-    state.grains.resize(header.n_grains);
-    state.contacts.resize(header.n_contacts);
-    state.crept_contacts.resize((bytes.size() - count_bytes_without_creep(header.n_grains, header.n_contacts)) /
-                                bytes_per_crept_contact);
+    const std::size_t n_crept =
+        (bytes.size() - count_bytes_without_creep(header.n_grains, header.n_contacts)) / bytes_per_crept_contact;
+    state.resize({header.n_grains, n_crept, header.n_contacts});
     ByteReader reader(bytes.subspan(sizeof(Header)));
     transfer_state(state, reader);
     for (const ContactMemory &contact : state.contacts)

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "dem/cell.h"
-#include "dem/grains.h"
+#include "dem/rev_arrays.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -10,24 +10,6 @@
 
 namespace dem
 {
-  /** What a touching pair remembers. The order of these is the order in which forces are summed: part of the state. */
-  struct ContactMemory
-  {
-    std::uint32_t a, b; ///< places in the arrays of the grains; b may stand for a wall (dem/walls.h)
-    Vector shear_force; ///< t, acts on a [N]
-    bool is_sliding;
-  };
-
-  /** What has crept at a Burgers contact. Grains by their ids, so that it outlives sorting, splitting and new networks;
-   * a wall's id is its number below zero. It is forgotten once the contact is open at rest. */
-  struct CreptContact
-  {
-    GrainId a, b;           ///< a below b
-    double normal_viscous;  ///< of the dashpot in series; the overlap's spring feels so much less [m]
-    double normal_retarded; ///< of the Kelvin element, likewise [m]
-    Vector shear_retarded;  ///< slip of b beside a that the Kelvin element holds [m]
-  };
-
   /** How much has happened to a REV since its packing was made. */
   struct Counters
   {
@@ -54,18 +36,16 @@ namespace dem
     BreakageCause cause;
   };
 
-  /** Everything that the future of a REV at rest depends on, beside its parameters. */
-  struct RevState
+  /** Everything that the future of a REV at rest depends on, beside its parameters; grains and contacts are among its
+   * arrays. */
+  struct RevState : RevArrays
   {
     Cell cell;
-    Grains grains;
-    std::vector<ContactMemory> contacts;
-    std::vector<CreptContact> crept_contacts; ///< by a, then b; empty but for Burgers contacts
-    Matrix stress = Matrix::Zero();           ///< Love-Weber [Pa], tension-positive, in the REV's axes
-    Matrix rotation = Matrix::Identity();     ///< Q: turns the REV's axes into the solver's
-    double time = 0.;                         ///< [s]
-    double unbalanced_ratio = 0.;             ///< [-]
-    double initial_solid_volume = 0.;         ///< [m3], grains before any split; the lost part is fines
+    Matrix stress = Matrix::Zero();       ///< Love-Weber [Pa], tension-positive, in the REV's axes
+    Matrix rotation = Matrix::Identity(); ///< Q: turns the REV's axes into the solver's
+    double time = 0.;                     ///< [s]
+    double unbalanced_ratio = 0.;         ///< [-]
+    double initial_solid_volume = 0.;     ///< [m3], grains before any split; the lost part is fines
     Counters counters;
     /** What has split since the last commit, in order. Nothing depends on it, and it is not part of the bytes. */
     std::vector<Fracture> fractures;

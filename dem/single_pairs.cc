@@ -18,7 +18,7 @@ namespace dem
     void describe_pair(const ContactNetwork &network, const RevState &state, const std::size_t k, SinglePack &pack)
     {
       const int lane = static_cast<int>(k % n_singles);
-      const std::vector<Row> &place = state.grains.place;
+      const Column<Row> &place = state.grains.place;
       const Vector branch = compute_branch(state.cell, place[network.a[k]], place[network.b[k]]);
       pack.branch_x[lane] = static_cast<float>(branch.x());
       pack.branch_y[lane] = static_cast<float>(branch.y());

@@ -47,12 +47,7 @@ namespace dem
       return values;
     }
 
-    std::vector<std::int64_t> to_signed(const std::vector<GrainId> &ids)
-    {
-      return {ids.begin(), ids.end()};
-    }
-
-    std::vector<GrainId> to_unsigned(const std::vector<std::int64_t> &ids)
+    std::vector<std::int64_t> to_signed(const std::span<const GrainId> ids)
     {
       return {ids.begin(), ids.end()};
     }
@@ -90,14 +85,20 @@ namespace dem
       file.write_attribute("/state/stress", "sign", std::string("tension-positive"));
     }
 
-    void write_rows(Hdf5File &file, const std::string &name, const std::vector<Row> &rows, const std::string &unit)
+    void write_rows(Hdf5File &file, const std::string &name, const std::span<const Row> rows, const std::string &unit)
     {
       file.write("/grains/" + name, gather_vectors(rows, to_vector), {rows.size(), 3}, unit);
     }
 
-    void write_last(Hdf5File &file, const std::string &name, const std::vector<Row> &rows, const std::string &unit)
+    void write_last(Hdf5File &file, const std::string &name, const std::span<const Row> rows, const std::string &unit)
     {
       file.write("/grains/" + name, gather<double>(rows, [](const Row &row) { return row.w; }), {rows.size()}, unit);
+    }
+
+    template <typename T>
+    void write_numbers(Hdf5File &file, const std::string &name, const Column<T> &numbers, const std::string &unit)
+    {
+      file.write("/grains/" + name, std::vector<T>(numbers.begin(), numbers.end()), {numbers.size()}, unit);
     }
 
     void write_grains(Hdf5File &file, const Cell &cell, const Grains &grains)
@@ -106,7 +107,7 @@ namespace dem
       const auto place_of = [&cell](const Row &row) -> Vector { return cell.edges * to_vector(row); };
       file.write("/grains/id", to_signed(grains.id), {n}, "-");
       file.write("/grains/parent", to_signed(grains.parent), {n}, "-");
-      file.write("/grains/generation", grains.generation, {n}, "-");
+      write_numbers(file, "generation", grains.generation, "-");
       file.write("/grains/position", gather_vectors(grains.place, place_of), {n, 3}, "m");
       write_rows(file, "fraction", grains.place, "-"); // what is read back: the position is rounded once more
       write_rows(file, "velocity", grains.velocity, "m/s");
@@ -114,10 +115,10 @@ namespace dem
       write_last(file, "radius", grains.place, "m");
       write_last(file, "mass", grains.velocity, "kg");
       write_last(file, "moment", grains.spin, "kg m2");
-      file.write("/grains/strength", grains.strength, {n}, "Pa");
-      file.write("/grains/crack_half_length", grains.crack_half_length, {n}, "m");
-      file.write("/grains/crack_velocity", grains.crack_velocity, {n}, "m/s");
-      file.write("/grains/largest_contact_stress", grains.largest_contact_stress, {n}, "Pa");
+      write_numbers(file, "strength", grains.strength, "Pa");
+      write_numbers(file, "crack_half_length", grains.crack_half_length, "m");
+      write_numbers(file, "crack_velocity", grains.crack_velocity, "m/s");
+      write_numbers(file, "largest_contact_stress", grains.largest_contact_stress, "Pa");
     }
 
     void write_contacts(Hdf5File &file, const RevState &state, const std::span<const Contact> contacts)
@@ -144,7 +145,7 @@ namespace dem
     }
 
     /** What has crept at Burgers contacts, grains by id and walls by number; no group where nothing has. */
-    void write_creep(Hdf5File &file, const std::vector<CreptContact> &crept)
+    void write_creep(Hdf5File &file, const std::span<const CreptContact> crept)
     {
       const std::size_t n = crept.size();
       if (n == 0)
@@ -161,7 +162,7 @@ namespace dem
       file.write("/creep/shear_retarded", gather_vectors(crept, slip), {n, 3}, "m");
     }
 
-    void read_creep(const Hdf5File &file, std::vector<CreptContact> &crept)
+    void read_creep(const Hdf5File &file, RevState &state)
     {
       if (!file.has("/creep/grain_a"))
         return;
@@ -172,8 +173,8 @@ namespace dem
       const std::vector<double> retarded = file.read<double>("/creep/normal_retarded", {n});
       const std::vector<double> slip = file.read<double>("/creep/shear_retarded", {n, 3});
       for (std::size_t i = 0; i < n; ++i)
-        crept.push_back(
-            {static_cast<GrainId>(a[i]), static_cast<GrainId>(b[i]), viscous[i], retarded[i], Vector(&slip[3 * i])});
+        state.add(CreptContact{static_cast<GrainId>(a[i]), static_cast<GrainId>(b[i]), viscous[i], retarded[i],
+                               Vector(&slip[3 * i])});
     }
 
     void check_format(const Hdf5File &file)
@@ -218,30 +219,39 @@ namespace dem
         reject(file, "/cell/matrix", "rigid walls must stand across the axes");
     }
 
-    std::vector<Row> read_rows(const Hdf5File &file, const std::string &first, const std::string &last,
-                               const std::size_t n)
+    void read_rows(const Hdf5File &file, const std::string &first, const std::string &last, Column<Row> &rows)
     {
+      const std::size_t n = rows.size();
       const std::vector<double> vectors = file.read<double>("/grains/" + first, {n, 3});
       const std::vector<double> scalars = file.read<double>("/grains/" + last, {n});
-      std::vector<Row> rows(n);
       for (std::size_t i = 0; i < n; ++i)
         rows[i] = {vectors[3 * i], vectors[3 * i + 1], vectors[3 * i + 2], scalars[i]};
-      return rows;
     }
 
-    void read_grains(const Hdf5File &file, Grains &grains)
+    template <typename T>
+    void read_numbers(const Hdf5File &file, const std::string &name, Column<T> &numbers)
     {
-      grains.id = to_unsigned(file.read<std::int64_t>("/grains/id", {any_number}));
-      const std::size_t n = grains.id.size();
-      grains.parent = to_unsigned(file.read<std::int64_t>("/grains/parent", {n}));
-      grains.generation = file.read<std::uint32_t>("/grains/generation", {n});
-      grains.place = read_rows(file, "fraction", "radius", n);
-      grains.velocity = read_rows(file, "velocity", "mass", n);
-      grains.spin = read_rows(file, "spin", "moment", n);
-      grains.strength = file.read<double>("/grains/strength", {n});
-      grains.crack_half_length = file.read<double>("/grains/crack_half_length", {n});
-      grains.crack_velocity = file.read<double>("/grains/crack_velocity", {n});
-      grains.largest_contact_stress = file.read<double>("/grains/largest_contact_stress", {n});
+      const std::vector<T> values = file.read<T>("/grains/" + name, {numbers.size()});
+      std::copy(values.begin(), values.end(), numbers.begin());
+    }
+
+    void read_grains(const Hdf5File &file, RevState &state)
+    {
+      const std::vector<std::int64_t> id = file.read<std::int64_t>("/grains/id", {any_number});
+      const std::size_t n = id.size();
+      state.resize_grains(n);
+      Grains &grains = state.grains;
+      std::copy(id.begin(), id.end(), grains.id.begin());
+      const std::vector<std::int64_t> parent = file.read<std::int64_t>("/grains/parent", {n});
+      std::copy(parent.begin(), parent.end(), grains.parent.begin());
+      read_numbers(file, "generation", grains.generation);
+      read_rows(file, "fraction", "radius", grains.place);
+      read_rows(file, "velocity", "mass", grains.velocity);
+      read_rows(file, "spin", "moment", grains.spin);
+      read_numbers(file, "strength", grains.strength);
+      read_numbers(file, "crack_half_length", grains.crack_half_length);
+      read_numbers(file, "crack_velocity", grains.crack_velocity);
+      read_numbers(file, "largest_contact_stress", grains.largest_contact_stress);
       for (std::size_t i = 0; i < n; ++i)
         if (!(grains.place[i].w > 0.))
           reject(file, "/grains/radius",
@@ -283,8 +293,9 @@ namespace dem
         reject(file, "/contacts/grain_b", "not as long as /contacts/grain_a");
       const std::vector<double> shear_force = file.read<double>("/contacts/shear_force", {n, 3});
       const std::vector<std::uint8_t> is_sliding = file.read<std::uint8_t>("/contacts/is_sliding", {n});
+      state.resize_contacts(n);
       for (std::size_t i = 0; i < n; ++i)
-        state.contacts.push_back({a[i], b[i], Vector(&shear_force[3 * i]), is_sliding[i] != 0});
+        state.contacts[i] = {a[i], b[i], Vector(&shear_force[3 * i]), is_sliding[i] != 0};
     }
 
     std::size_t estimate_size(const RevState &state)
@@ -326,9 +337,9 @@ namespace dem
     check_format(hdf5);
     Snapshot snapshot;
     read_state(hdf5, snapshot);
-    read_grains(hdf5, snapshot.state.grains);
+    read_grains(hdf5, snapshot.state);
     read_contacts(hdf5, snapshot.state);
-    read_creep(hdf5, snapshot.state.crept_contacts);
+    read_creep(hdf5, snapshot.state);
     return snapshot;
   }
 

@@ -57,7 +57,7 @@ namespace dem
             keys[i] = 2 * keys[i] + ((axis[i] ^ flips[i]) & bit ? 1u : 0u);
     }
 
-    std::vector<std::uint32_t> compute_keys(const Cell &cell, const std::vector<Row> &place)
+    std::vector<std::uint32_t> compute_keys(const Cell &cell, const std::span<const Row> place)
     {
       std::array<double, 3> n_steps; // of equal length along each edge, so that the curve is as fine in every direction
       for (int k = 0; k < 3; ++k)
@@ -85,7 +85,7 @@ namespace dem
     }
   } // namespace
 
-  std::vector<std::uint32_t> compute_spatial_order(const Cell &cell, const std::vector<Row> &place)
+  std::vector<std::uint32_t> compute_spatial_order(const Cell &cell, const std::span<const Row> place)
   {
     const std::vector<std::uint32_t> keys = compute_keys(cell, place);
     std::vector<std::uint32_t> order(place.size()), sorted(place.size());

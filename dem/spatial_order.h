@@ -3,6 +3,7 @@
 #include "dem/cell.h"
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace dem
@@ -14,5 +15,5 @@ namespace dem
    * @param place  x, y, z: fractions of the cell's edges, any image
    * @return a permutation: order[new] = old
    */
-  std::vector<std::uint32_t> compute_spatial_order(const Cell &cell, const std::vector<Row> &place);
+  std::vector<std::uint32_t> compute_spatial_order(const Cell &cell, std::span<const Row> place);
 } // namespace dem

@@ -166,11 +166,11 @@ namespace benchmarks
           const dem::Vector place = before + (step - step.array().rint().matrix());
           state.grains.place[i] = {place.x(), place.y(), place.z(), state.grains.place[i].w};
         }
-      state.contacts.clear();
+      state.resize_contacts(0);
       for (std::size_t k = 0; k < pairs_.size(); ++k)
         if (pairs_[k].overlap > 0)
-          state.contacts.push_back(
-              {network_.a[k], network_.b[k], pairs_[k].shear.template cast<double>(), pairs_[k].is_sliding});
+          state.add(dem::ContactMemory{network_.a[k], network_.b[k], pairs_[k].shear.template cast<double>(),
+                                       pairs_[k].is_sliding});
       state.stress = compute_stress();
       return state;
     }

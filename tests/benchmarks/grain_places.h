@@ -34,7 +34,7 @@ namespace benchmarks
     using Real = RealOfForces;
 
     DoublePlaces(const dem::RevState &state, const dem::ContactNetwork &network)
-        : network_(network), place_(state.grains.place)
+        : network_(network), place_(state.grains.place.begin(), state.grains.place.end())
     {
       follow(state.cell);
     }

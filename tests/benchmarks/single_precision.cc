@@ -172,7 +172,7 @@ namespace
     dem::draw_strengths(state.grains, rule, {});
     dem::update_crack_velocities(state.grains, contacts, rule);
     rest.stress = loop.compute_stress();
-    rest.crack_velocity = state.grains.crack_velocity;
+    rest.crack_velocity.assign(state.grains.crack_velocity.begin(), state.grains.crack_velocity.end());
     rest.times = dem::sort_times_to_fracture(state.grains);
     rest.time_to_batch = dem::compute_time_to_batch(state.grains, dem::compute_batch_limit(rule, state.grains.size()));
     return rest;

@@ -5,13 +5,17 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <span>
 #include <utility>
+#include <vector>
 
 namespace dem::cases
 {
   /** The same contacts with the same memories, in whatever order. */
-  inline void expect_same_memories(std::vector<ContactMemory> found, std::vector<ContactMemory> expected)
+  inline void expect_same_memories(const std::span<const ContactMemory> first,
+                                   const std::span<const ContactMemory> second)
   {
+    std::vector found(first.begin(), first.end()), expected(second.begin(), second.end());
     const auto get_names = [](const ContactMemory &memory) { return std::pair(memory.a, memory.b); };
     std::ranges::sort(found, {}, get_names);
     std::ranges::sort(expected, {}, get_names);

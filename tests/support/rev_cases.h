@@ -85,7 +85,7 @@ namespace dem::cases
   {
     RevState state;
     state.cell.edges = edge * Matrix::Identity();
-    state.grains.resize(places.size());
+    state.resize_grains(places.size());
     for (std::size_t i = 0; i < places.size(); ++i)
       {
         state.grains.place[i] = {places[i].x() / edge, places[i].y() / edge, places[i].z() / edge, radius};

@@ -151,7 +151,8 @@ TEST(LazyRev, CracksGrowAtTheContactStressesThatGrainsWereLeftWith)
 {
   LazyRev lazy = make_lazy(tolerance);
   step(lazy, make_increment(small));
-  const dem::Grains before = lazy.get_rev().get_committed().grains;
+  const dem::RevState kept = lazy.get_rev().get_committed();
+  const dem::Grains &before = kept.grains;
   const double dt = 0.5 * dem::compute_time_to_batch(before, 1);
   ASSERT_TRUE(std::isfinite(dt));
   ASSERT_FALSE(lazy.needs_catching_up(dt));

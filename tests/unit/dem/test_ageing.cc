@@ -14,10 +14,11 @@ namespace
   using namespace dem::cases;
 
   /** Grains with cracks a [radii] and crack velocities [radii/s]; ids run against the order of places. */
-  Grains make_cracked(const std::vector<double> &cracks, const std::vector<double> &velocities)
+  RevState make_cracked(const std::vector<double> &cracks, const std::vector<double> &velocities)
   {
-    Grains grains;
-    grains.resize(cracks.size());
+    RevState state;
+    state.resize_grains(cracks.size());
+    Grains &grains = state.grains;
     for (std::size_t i = 0; i < cracks.size(); ++i)
       {
         grains.place[i].w = radius;
@@ -25,7 +26,7 @@ namespace
         grains.crack_half_length[i] = cracks[i] * radius;
         grains.crack_velocity[i] = velocities[i] * radius;
       }
-    return grains;
+    return state;
   }
 
   std::vector<std::size_t> list_places(const std::vector<TimeToFracture> &times)
@@ -40,8 +41,8 @@ namespace
   {
     // Law: (r - a)/v in rising order; equal times by id, whatever the place; what never breaks is not listed; a crack
     // already through has no time left. Halves and quarters: exact.
-    const Grains grains = make_cracked({0.5, 0.25, 0.5, 0.5, 1.5, 0.}, {0.5, 0.25, 0.5, 0., 1., 1e-300});
-    const auto times = sort_times_to_fracture(grains);
+    const RevState state = make_cracked({0.5, 0.25, 0.5, 0.5, 1.5, 0.}, {0.5, 0.25, 0.5, 0., 1., 1e-300});
+    const auto times = sort_times_to_fracture(state.grains);
     EXPECT_EQ(list_places(times), (std::vector<std::size_t>{4, 2, 0, 1, 5}));
     EXPECT_EQ(times[0].time, 0.);
     EXPECT_NEAR(times[1].time, 1., 1e-15);
@@ -52,18 +53,20 @@ namespace
   {
     // Law: the jump ends when at most N_max grains have failed; fewer breakable ones than that end it with the last;
     // none: infinity.
-    const Grains grains = make_cracked({0.5, 0.5, 0.5, 0.5}, {0.5, 0.25, 0.125, 0.});
-    EXPECT_NEAR(compute_time_to_batch(grains, 1), 1., 1e-15);
-    EXPECT_NEAR(compute_time_to_batch(grains, 2), 2., 1e-15);
-    EXPECT_NEAR(compute_time_to_batch(grains, 30), 4., 1e-15);
-    EXPECT_EQ(compute_time_to_batch(make_cracked({0.5}, {0.}), 1), std::numeric_limits<double>::infinity());
+    const RevState state = make_cracked({0.5, 0.5, 0.5, 0.5}, {0.5, 0.25, 0.125, 0.});
+    EXPECT_NEAR(compute_time_to_batch(state.grains, 1), 1., 1e-15);
+    EXPECT_NEAR(compute_time_to_batch(state.grains, 2), 2., 1e-15);
+    EXPECT_NEAR(compute_time_to_batch(state.grains, 30), 4., 1e-15);
+    EXPECT_EQ(compute_time_to_batch(make_cracked({0.5}, {0.}).grains, 1), std::numeric_limits<double>::infinity());
   }
 
   TEST(Ageing, EveryCrackGrowsByItsVelocity)
   {
     // Law: a += v dt, breaking or not.
-    Grains grains = make_cracked({0.5, 0.25, 0.125}, {0.5, 0.25, 0.});
-    const Grains before = grains;
+    RevState state = make_cracked({0.5, 0.25, 0.125}, {0.5, 0.25, 0.});
+    const RevState kept = state;
+    Grains &grains = state.grains;
+    const Grains &before = kept.grains;
     EXPECT_EQ(advance_cracks(grains, 1.5), std::vector<std::size_t>{0});
     for (std::size_t i = 0; i < 3; ++i)
       EXPECT_EQ(grains.crack_half_length[i], before.crack_half_length[i] + before.crack_velocity[i] * 1.5);
@@ -82,11 +85,13 @@ namespace
             cracks[i] = stream.draw_uniform();
             velocities[i] = std::exp(20. * stream.draw_normal());
           }
-        const Grains grains = make_cracked(cracks, velocities);
+        const RevState state = make_cracked(cracks, velocities);
+        const Grains &grains = state.grains;
         const auto listed = list_places(sort_times_to_fracture(grains));
         for (std::size_t k = 1; k <= 20; ++k)
           {
-            Grains aged = grains;
+            RevState later = state;
+            Grains &aged = later.grains;
             const auto broken = advance_cracks(aged, compute_time_to_batch(grains, k));
             ASSERT_EQ(broken, std::vector<std::size_t>(listed.begin(), listed.begin() + static_cast<long>(k)));
             (aged.crack_half_length[broken.back()] > radius ? n_rounded_far : n_rounded_short) += 1;
@@ -105,7 +110,8 @@ namespace
     int n_through = 0;
     for (int n = 0; n < 1000; ++n)
       {
-        Grains grains = make_cracked({uniform(random)}, {uniform(random)});
+        RevState state = make_cracked({uniform(random)}, {uniform(random)});
+        Grains &grains = state.grains;
         const double dt = std::nextafter(sort_times_to_fracture(grains)[0].time, 0.);
         const bool is_broken = !advance_cracks(grains, dt).empty();
         EXPECT_TRUE(is_broken || sort_times_to_fracture(grains)[0].time > 0.) << n;
@@ -117,7 +123,8 @@ namespace
   TEST(Ageing, ManySmallJumpsAreOneLargeOne)
   {
     // Law: at frozen velocities the time left falls by what has passed. Tolerance: rounding of 1000 additions.
-    Grains grains = make_cracked({0.3, 0.1}, {0.01, 0.001});
+    RevState state = make_cracked({0.3, 0.1}, {0.01, 0.001});
+    Grains &grains = state.grains;
     const double before = compute_time_to_batch(grains, 1);
     for (int i = 0; i < 1000; ++i)
       EXPECT_TRUE(advance_cracks(grains, 0.03).empty());

@@ -168,7 +168,8 @@ namespace
   {
     // Law: v = v0 (sigma/sigma_lim)^n from the largest contact stress; 0 below the comminution limit, and everywhere
     // when fracture is off. Tolerance: none, the same function of the same numbers.
-    Grains grains = get_loaded_state().grains;
+    RevState state = get_loaded_state();
+    Grains &grains = state.grains;
     const auto contacts = list(get_loaded_state());
     FractureRule rule;
     std::vector<double> diameters;
@@ -198,8 +199,9 @@ namespace
   {
     // Law: F > F_lim is sigma > sigma_lim; in falling order of sigma/sigma_lim, ties by id, none below the comminution
     // limit.
-    Grains grains;
-    grains.resize(6);
+    RevState state;
+    state.resize_grains(6);
+    Grains &grains = state.grains;
     const std::vector<double> stress = {2., 4., 1., 4., 9., 3.};
     for (std::size_t i = 0; i < 6; ++i)
       {

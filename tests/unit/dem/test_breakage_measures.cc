@@ -144,9 +144,10 @@ namespace
     // Law: f of grains of any size has the mean 1 and the standard deviation 0.3627 (theory, Eq. 16), and is at least
     // 1 - 0.38 * 2.5 = 0.05. Three standard errors: 0.36/sqrt(n), and 0.36/sqrt(2n) of the deviation (a truncated
     // normal's tails are lighter than a normal's). Grains below the limit are left out.
-    Grains grains;
     constexpr std::size_t n = 20000;
-    grains.resize(n);
+    RevState state;
+    state.resize_grains(n);
+    Grains &grains = state.grains;
     for (std::size_t i = 0; i < n; ++i)
       {
         grains.id[i] = i;
@@ -161,6 +162,6 @@ namespace
     EXPECT_NEAR(drawn.standard_deviation, 0.3627, 3. * 0.3627 / std::sqrt(2. * n));
     EXPECT_GE(drawn.smallest, 0.05);
     EXPECT_LT(drawn.smallest, 0.06); // nine draws are expected between 0.05 and 0.06
-    EXPECT_EQ(compute_strength_statistics(Grains{}, rule).n, 0u);
+    EXPECT_EQ(compute_strength_statistics(Grains(), rule).n, 0u);
   }
 } // namespace

@@ -49,7 +49,7 @@ namespace
     const Vector normal = Vector(1., 2., -0.5).normalized();
     RevState state = make_pair(overlap, normal);
     const double force = compute_normal_response(make_law(), overlap, 0.5 * radius).force;
-    state.contacts = {{0, 1, 0.2 * force * normal.unitOrthogonal(), false}};
+    state.add(ContactMemory{0, 1, 0.2 * force * normal.unitOrthogonal(), false});
     return state;
   }
 

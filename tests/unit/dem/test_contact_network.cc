@@ -105,7 +105,7 @@ namespace
       {
         const auto [a, b] = pairs[k];
         const Vector t(double(k) + 1., -2. * double(k), 0.5);
-        state.contacts.push_back(k % 4 == 0 ? ContactMemory{a, b, t, k % 8 == 0} : ContactMemory{b, a, -t, k % 8 == 0});
+        state.add(k % 4 == 0 ? ContactMemory{a, b, t, k % 8 == 0} : ContactMemory{b, a, -t, k % 8 == 0});
       }
     std::reverse(state.contacts.begin(), state.contacts.end());
 

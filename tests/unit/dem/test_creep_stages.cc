@@ -179,7 +179,7 @@ namespace
         RevState state = make_cracked();
         Rev probe(model, state);
         probe.relax();
-        state.contacts = probe.get_baseline().contacts;
+        state.set_contacts(probe.get_baseline().contacts);
         const Grains &grains = probe.get_baseline().grains;
         const double lifetime = 0.8 * radius / grains.crack_velocity[1];
         const double step = has_true_masses ? compute_time_step(state) : 1.; // [s] or one cycle

@@ -146,7 +146,7 @@ namespace
     dynamics.strain(increment);
     dynamics.compute_forces();
     const auto before = collect_memories(dynamics.get_network());
-    state.contacts = before;
+    state.set_contacts(before);
     dynamics.rebuild();
     dynamics.compute_forces();
     const auto after = collect_memories(dynamics.get_network());

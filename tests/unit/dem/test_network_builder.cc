@@ -26,8 +26,7 @@ namespace
       row = {place(random), place(random), place(random), size(random) * radius};
     state.cell.edges = edge * radius * Matrix::Identity();
     for (const NearPair &pair : list_near_pairs(state.cell, state.grains.place, 0.))
-      state.contacts.push_back(
-          {pair.a, pair.b, Vector(force(random), force(random), force(random)), force(random) > 0.});
+      state.add(ContactMemory{pair.a, pair.b, Vector(force(random), force(random), force(random)), force(random) > 0.});
     return state;
   }
 
@@ -70,9 +69,9 @@ namespace
           EXPECT_EQ(network.incoming_far, expected.incoming_far);
           EXPECT_EQ(network.incoming_grain, expected.incoming_grain);
           EXPECT_EQ(network.n_far, expected.n_far);
-          std::vector<ContactMemory> memories;
-          collect_memories(network, team, memories);
-          expect_same_memories(memories, collect_memories(expected));
+          RevArrays stored;
+          store_memories(network, team, stored);
+          expect_same_memories(stored.contacts, collect_memories(expected));
         }
   }
 

@@ -42,6 +42,24 @@ namespace
     EXPECT_TRUE(are_equal_bits(rev.get_trial(), get_loaded_state()));
   }
 
+  TEST(Rev, QuestionsHaveTheSameMemoryAgainAndAgain)
+  {
+    // Law: a trial begins as a copy of the baseline into a block that is there; the first question has found out how
+    // large it must be, those after it and taking back ask for none.
+    Rev rev = make_loaded_rev();
+    rev.deform(make_stretch());
+    const std::byte *const block = rev.peek_trial().get_used_block().data();
+    for (int i = 0; i < 3; ++i)
+      {
+        rev.deform(make_stretch());
+        EXPECT_EQ(rev.peek_trial().get_used_block().data(), block);
+        rev.revert();
+        EXPECT_EQ(rev.peek_trial().get_used_block().data(), block);
+      }
+    rev.deform(make_stretch());
+    EXPECT_GT(rev.peek_trial().contacts.size(), rev.get_baseline().contacts.size()) << "a test that asks for no room";
+  }
+
   TEST(Rev, StrainsThatDifferByRoundingGetTheSameBits)
   {
     // Law: the strain of a cell lies on a grid; what the grid leaves out is kept in the deformation and never adds up.
@@ -267,7 +285,7 @@ namespace
     // Law: what split between two commits, as it was before, with cause and time; what was rolled back is not among it,
     // nor what split before.
     Rev rev = make_loaded_rev();
-    const Grains whole = get_loaded_state().grains;
+    const Grains &whole = get_loaded_state().grains;
     const double dt = rev.compute_time_to_next_batch();
     rev.age(dt);
     rev.revert();

@@ -26,7 +26,7 @@ namespace
     RevState state;
     state.cell.edges = dem::Matrix::NullaryExpr([&] { return normal(random); });
     state.cell.deformation = dem::Matrix::NullaryExpr([&] { return normal(random); });
-    state.grains.resize(n_grains);
+    state.resize_grains(n_grains);
     for (std::size_t i = 0; i < n_grains; ++i)
       {
         state.grains.place[i] = draw_row(random);
@@ -39,8 +39,8 @@ namespace
         state.grains.crack_half_length[i] = normal(random);
         state.grains.crack_velocity[i] = normal(random);
         state.grains.largest_contact_stress[i] = normal(random);
-        state.contacts.push_back({static_cast<std::uint32_t>(i), static_cast<std::uint32_t>((i * 7 + 1) % n_grains),
-                                  dem::Vector(normal(random), -0., 5e-324), i % 3 == 0});
+        state.add(dem::ContactMemory{static_cast<std::uint32_t>(i), static_cast<std::uint32_t>((i * 7 + 1) % n_grains),
+                                     dem::Vector(normal(random), -0., 5e-324), i % 3 == 0});
       }
     state.stress = dem::Matrix::NullaryExpr([&] { return normal(random); });
     state.rotation = dem::Matrix::NullaryExpr([&] { return normal(random); });
@@ -144,8 +144,8 @@ TEST(RevState, CarriesWhatHasCrept)
 {
   RevState state = make_state(5);
   const std::size_t n_bytes = dem::serialise(state).size();
-  state.crept_contacts.push_back({3, 7, 1e-7, -0., dem::Vector(5e-324, 2., -3.)});
-  state.crept_contacts.push_back({3, ~std::uint64_t{0}, 4., 5., dem::Vector(6., 7., 8.)});
+  state.add(dem::CreptContact{3, 7, 1e-7, -0., dem::Vector(5e-324, 2., -3.)});
+  state.add(dem::CreptContact{3, ~std::uint64_t{0}, 4., 5., dem::Vector(6., 7., 8.)});
   const std::vector<std::byte> good = dem::serialise(state);
   EXPECT_EQ(good.size(), n_bytes + 2 * 56);
   const RevState copy = dem::deserialise(good);
@@ -181,7 +181,7 @@ TEST(RevState, VoidRatiosOfACubeWithOneGrain)
 {
   RevState state;
   state.cell.edges *= 2.;
-  state.grains.resize(1);
+  state.resize_grains(1);
   state.grains.place[0].w = 1.;
   state.initial_solid_volume = 5.;
   const double solids = 4. / 3. * std::numbers::pi;

@@ -54,8 +54,9 @@ namespace
   TEST(ShearForce, WhatLiesAlongTheNormalNeverGrows)
   {
     // Law: a shear force is turned into the contact plane with its size kept. One along the normal, as rounding leaves
-    // it in a contact that bears no shear, has nowhere to be turned to: whatever becomes of it is not larger than it was.
-    // Sizes from rounding to that of friction; directions at random, so that the part in the plane is of either sign.
+    // it in a contact that bears no shear, has nowhere to be turned to: whatever becomes of it is not larger than it
+    // was. Sizes from rounding to that of friction; directions at random, so that the part in the plane is of either
+    // sign.
     for (int i = 0; i < 200; ++i)
       for (const double size : {1e-29, 1e-17, 1e-6, 1e-2})
         {

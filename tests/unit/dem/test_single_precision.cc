@@ -209,7 +209,7 @@ namespace
     const int n = 3;
     RevState large;
     large.cell.edges = n * small.cell.edges;
-    large.grains.resize(n * n * n * small.grains.size());
+    large.resize_grains(n * n * n * small.grains.size());
     for (std::size_t i = 0; i < large.grains.size(); ++i)
       {
         const std::size_t from = i % small.grains.size(), copy = i / small.grains.size();

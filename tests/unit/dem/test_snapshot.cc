@@ -33,16 +33,16 @@ namespace
       state_.cell.deformation << 1., 0.1, 0.2, 0.3, 1., 0.4, 0.5, 0.6, 1.;
       state_.rotation << 0., -1., 0., 1., 0., 0., 0., 0., 1.;
       state_.stress << 1., 2., 3., 4., 5., 6., 7., 8., 9.;
-      state_.grains.resize(20);
+      state_.resize_grains(20);
       dem::Grains &g = state_.grains;
       for (std::size_t i = 0; i < g.size(); ++i)
         {
-          for (std::vector<dem::Row> *rows : {&g.place, &g.velocity, &g.spin})
+          for (dem::Column<dem::Row> *rows : {&g.place, &g.velocity, &g.spin})
             (*rows)[i] = {normal(random), normal(random), normal(random), std::exp(normal(random))};
           g.id[i] = 1000 - 7 * i; // neither in order nor the places
           g.parent[i] = 500 + i;
           g.generation[i] = static_cast<std::uint32_t>(i % 3);
-          for (std::vector<double> *list :
+          for (dem::Column<double> *list :
                {&g.strength, &g.crack_half_length, &g.crack_velocity, &g.largest_contact_stress})
             (*list)[i] = normal(random);
         }
@@ -57,7 +57,7 @@ namespace
           contact.normal_force = i;
           contact.is_sliding = i % 2 == 0;
           contacts_.push_back(contact);
-          state_.contacts.push_back({contact.a, contact.b, contact.shear_force, contact.is_sliding});
+          state_.add(dem::ContactMemory{contact.a, contact.b, contact.shear_force, contact.is_sliding});
         }
       state_.time = 12.5;
       state_.unbalanced_ratio = 3e-5;

@@ -171,7 +171,7 @@ namespace
   {
     // Law: a wall as a partner is corrupt in a periodic cell, and so is a seventh wall in a box.
     RevState state = make_pair(1e-6, Vector::UnitX());
-    state.contacts.push_back({0, to_partner(0), Vector::Zero(), false});
+    state.add(ContactMemory{0, to_partner(0), Vector::Zero(), false});
     EXPECT_THROW(deserialise(serialise(state)), std::runtime_error);
     state.cell.kind = CellKind::rigid;
     EXPECT_EQ(deserialise(serialise(state)).contacts[0].b, to_partner(0));

@@ -38,7 +38,7 @@ namespace
       Team alone(1);
       sums = compute_contact_forces(task, network, forces, alone);
       add_wall_forces(task, network, forces, sums);
-      state.contacts = collect_memories(network);
+      state.set_contacts(collect_memories(network));
     }
   };
 

@@ -24,7 +24,7 @@ namespace
     model.equilibrium.unbalanced_ratio = 1e-11;
     model.equilibrium.stress_tolerance = 1e-11;
     RevState state;
-    state.grains.resize(3);
+    state.resize_grains(3);
     const double height = 6. * radius;
     state.cell.edges = Vector(height, height, height).asDiagonal();
     for (int i = 0; i < 3; ++i)
