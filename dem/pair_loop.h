@@ -3,6 +3,7 @@
 #include "dem/contact_forces.h"
 #include "dem/contact_lanes.h"
 #include "dem/lane_rows.h"
+#include "dem/lane_sums.h"
 
 #include <algorithm>
 #include <limits>
@@ -57,18 +58,7 @@ namespace dem
         compute<true>(k, block.first_far + (k - block.far_begin));
     }
 
-    ContactSums finish() const
-    {
-      if (!has_sums_)
-        return get_unknown_sums();
-      ContactSums sums;
-      for (int k = 0; k < 9; ++k)
-        sums.force_times_branch(k / 3, k % 3) = sum_lanes(moment_[k]);
-      sums.normal_force = sum_lanes(normal_force_);
-      sums.stiffness_moment = sum_lanes(stiffness_moment_);
-      sums.n_touching = n_touching_;
-      return sums;
-    }
+    ContactSums finish() const { return has_sums_ ? sums_.add_up() : get_unknown_sums(); }
 
   private:
     static constexpr std::size_t fetch_ahead = 2 * n_lanes; ///< pairs; their lists are called twice as far ahead
@@ -115,7 +105,7 @@ namespace dem
       const LaneVector shear = update_shear(k, touch, relative);
       const LaneVector force = add(shear, -touch.normal.force, touch.unit);
       if (has_sums_) // not another function, in which the compiler would round in other places
-        add_to_sums(touch, force);
+        sums_.add(force, touch.branch, touch.normal, touch.distance, touch.is_touching);
       give<is_far>(k, far, touch, force);
       if constexpr (is_rotation_free)
         give_torques<is_far>(k, far, touch, shear);
@@ -310,17 +300,6 @@ namespace dem
       });
     }
 
-    [[gnu::always_inline]] void add_to_sums(const Touch &touch, const LaneVector &force)
-    {
-      const LaneVector &x = touch.branch;
-      moment_[0] += force.x * x.x, moment_[1] += force.x * x.y, moment_[2] += force.x * x.z;
-      moment_[3] += force.y * x.x, moment_[4] += force.y * x.y, moment_[5] += force.y * x.z;
-      moment_[6] += force.z * x.x, moment_[7] += force.z * x.y, moment_[8] += force.z * x.z;
-      normal_force_ += touch.normal.force;
-      stiffness_moment_ += touch.normal.stiffness * (touch.distance * touch.distance);
-      n_touching_ += static_cast<std::size_t>(count(touch.is_touching));
-    }
-
     const ContactLaw law_;
     const Row *const place_, *const velocity_, *const spin_;
     const Matrix edges_, strain_;
@@ -330,9 +309,6 @@ namespace dem
     ContactNetwork &network_;
     Forces &forces_;
     const ForceRows rows_;
-
-    // Sums over contacts, one a lane until the end of a block.
-    Lanes moment_[9] = {0., 0., 0., 0., 0., 0., 0., 0., 0.}, normal_force_ = 0., stiffness_moment_ = 0.;
-    std::size_t n_touching_ = 0;
+    LaneSums<Lanes> sums_;
   };
 } // namespace dem

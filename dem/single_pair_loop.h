@@ -1,8 +1,8 @@
 #pragma once
 
 #include "dem/contact_forces.h"
+#include "dem/lane_sums.h"
 #include "dem/single_grains.h"
-#include "dem/single_sums.h"
 #include "dem/single_twins.h"
 
 #include <algorithm>
@@ -382,6 +382,6 @@ namespace dem
     std::size_t next_ = 0; // grain to be called into the cache
     const SinglePairResults results_;
 
-    SingleSums sums_;
+    LaneSums<Singles> sums_;
   };
 } // namespace dem

@@ -39,6 +39,10 @@ namespace dem
     }
     [[gnu::always_inline]] friend Twins operator-(const Twins &a) { return {-a.low, -a.high}; }
     [[gnu::always_inline]] friend Twins &operator+=(Twins &a, const Twins &b) { return a = a + b; }
+    [[gnu::always_inline]] friend Singles &operator+=(Singles &sum, const Twins &a)
+    {
+      return sum += a.low, sum += a.high;
+    }
     [[gnu::always_inline]] friend TwinMask operator<(const Twins &a, const Twins &b)
     {
       return {a.low < b.low, a.high < b.high};
