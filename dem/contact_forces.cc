@@ -2,6 +2,7 @@
 
 #include "dem/block_shares.h"
 #include "dem/fracture.h"
+#include "dem/incoming.h"
 #include "dem/pair_loop.h"
 
 #include <algorithm>
@@ -27,39 +28,6 @@ namespace dem
           loop.run_far(block);
         }
       return loop.finish();
-    }
-
-    constexpr std::size_t fetch_ahead = 40; // far pairs
-
-    /** Gives the grains of a block what far pairs of other blocks do to them. */
-    template <bool has_torques>
-    void take_incoming(const GrainBlock &block, const ContactNetwork &network, const Forces &forces,
-                       const ForceRows &rows)
-    {
-      const std::uint32_t *const grains = network.incoming_grain.data(), *const far = network.incoming_far.data();
-      const Row *const far_force = forces.far_force.data(), *const far_torque = forces.far_torque.data();
-      const std::size_t end = block.incoming_end;
-      for (std::size_t k = block.incoming_begin; k < end;)
-        {
-          const std::uint32_t grain = grains[k];
-          RowLanes force = load_row(rows.force[grain]), torque{};
-          if constexpr (has_torques)
-            torque = load_row(rows.torque[grain]);
-          do // in registers: through memory each addition would wait for the one before
-            {
-              const std::uint32_t later = far[std::min(k + fetch_ahead, end - 1)];
-              __builtin_prefetch(&far_force[later]);
-              force += load_row(far_force[far[k]]);
-              if constexpr (has_torques)
-                {
-                  __builtin_prefetch(&far_torque[later]);
-                  torque += load_row(far_torque[far[k]]);
-                }
-          } while (++k < end && grains[k] == grain);
-          store_row(rows.force[grain], force);
-          if constexpr (has_torques)
-            store_row(rows.torque[grain], torque);
-        }
     }
 
     /** Sum of the fourth numbers, grain by grain: it must not depend on which pairs share a vector. */
@@ -129,10 +97,9 @@ namespace dem
       void finish(const std::size_t k, const ForceRows &rows) const
       {
         const GrainBlock &block = network_.blocks[k];
+        take_incoming(network_, block, forces_.far_force.data(), rows.force);
         if (task_.motion.is_rotation_free)
-          take_incoming<true>(block, network_, forces_, rows);
-        else
-          take_incoming<false>(block, network_, forces_, rows);
+          take_incoming(network_, block, forces_.far_torque.data(), rows.torque);
         if (task_.motion.has_sums)
           {
             forces_.block_sums[k].stiffness = sum_stiffness(rows.force, block);

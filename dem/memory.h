@@ -5,6 +5,8 @@
 
 namespace dem
 {
+  inline constexpr std::size_t cache_line = 64; ///< [bytes]
+
   /** Memory that some arrays hold [bytes]. */
   template <typename... T>
   std::size_t count_bytes(const std::vector<T> &...arrays)

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "dem/memory.h"
+
 #include <cstddef>
 #include <memory>
 #include <new>
@@ -7,8 +9,6 @@
 
 namespace dem
 {
-  inline constexpr std::size_t cache_line = 64; ///< [bytes]
-
   /** A piece of memory that begins with a cache line. What lies in it is its owner's affair. */
   class MemoryBlock
   {

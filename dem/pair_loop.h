@@ -2,6 +2,7 @@
 
 #include "dem/contact_forces.h"
 #include "dem/contact_lanes.h"
+#include "dem/fetch.h"
 #include "dem/lane_rows.h"
 #include "dem/lane_sums.h"
 
@@ -39,14 +40,18 @@ namespace dem
           network_(network), forces_(forces), rows_(rows)
     {}
 
-    /** Near pairs: both grains get their force at once. */
+    /** Near pairs: both grains get their force at once. The next block is called into the cache meanwhile. */
     void run_near(const GrainBlock &block)
     {
-      std::size_t next = block.grain_end;
-      for (std::size_t k = block.near_begin; k < block.near_end; k += n_lanes, next += fetched_grains)
+      std::size_t grain = block.grain_end, far = block.near_end;
+      for (std::size_t k = block.near_begin; k < block.near_end; k += n_lanes)
         {
           if (is_beyond_cache_)
-            fetch_grains(next);
+            {
+              fetch_grains(grain);
+              fetch_second_grains(far);
+              grain += fetched_grains, far += fetched_far;
+            }
           compute<false>(k, 0);
         }
     }
@@ -61,10 +66,10 @@ namespace dem
     ContactSums finish() const { return has_sums_ ? sums_.add_up() : get_unknown_sums(); }
 
   private:
-    static constexpr std::size_t fetch_ahead = 2 * n_lanes; ///< pairs; their lists are called twice as far ahead
-    static constexpr std::size_t fetched_grains =
-        6;                                     ///< with each vector of pairs: those of a block with its near pairs
-    static constexpr double far_apart = 1e200; ///< squared [m2]
+    static constexpr std::size_t fetch_ahead = n_lanes; ///< pairs; their lists are called twice as far ahead
+    static constexpr std::size_t fetched_grains = 6;    ///< with each vector of near pairs, of the next block
+    static constexpr std::size_t fetched_far = 4;       ///< likewise, far pairs
+    static constexpr double far_apart = 1e200;          ///< squared [m2]
 
     /** How grains move against each other. */
     struct Relative
@@ -91,7 +96,7 @@ namespace dem
     [[gnu::always_inline]] void compute(const std::size_t k, const std::size_t far)
     {
       if (is_beyond_cache_)
-        fetch<is_far>(std::min(k + fetch_ahead, network_.size() - n_lanes), far + fetch_ahead);
+        fetch_pairs<is_far>(std::min(k + fetch_ahead, network_.size() - n_lanes), far + fetch_ahead);
       // Loads stand between the roots, whose results nobody can use at once.
       Touch touch = locate(k);
       if (!is_any(touch.is_touching))
@@ -116,42 +121,50 @@ namespace dem
      * could foresee, and at each page of memory it begins anew to see the order of the others.
      */
     template <bool is_far>
-    [[gnu::always_inline]] void fetch(const std::size_t k, const std::size_t far) const
+    [[gnu::always_inline]] void fetch_pairs(const std::size_t k, const std::size_t far) const
     {
-      constexpr std::size_t line = 64;
       for (const double *const list : {&network_.radius_sum[k], &network_.root_radius[k], &network_.shear_x[k],
                                        &network_.shear_y[k], &network_.shear_z[k]})
-        for (std::size_t byte = 0; byte < n_lanes * sizeof(double); byte += line)
-          __builtin_prefetch(reinterpret_cast<const char *>(list + fetch_ahead) + byte);
-      __builtin_prefetch(&network_.row_a[k] + 2 * fetch_ahead);
-      __builtin_prefetch(&network_.row_b[k] + 2 * fetch_ahead);
-      const RowOffset *const b = &network_.row_b[k];
+        fetch(list + fetch_ahead, n_lanes);
+      fetch(&network_.row_a[k] + 2 * fetch_ahead);
+      fetch(&network_.row_b[k] + 2 * fetch_ahead);
       for (int j = 0; j < n_lanes; ++j)
         {
-          __builtin_prefetch(&get_row(place_, b[j]));
-          __builtin_prefetch(&get_row(velocity_, b[j]));
+          const RowOffset b = network_.row_b[k + j];
+          fetch(&get_row(place_, b));
+          fetch(&get_row(velocity_, b));
           if constexpr (is_rotation_free)
-            __builtin_prefetch(&get_row(spin_, b[j]));
+            fetch(&get_row(spin_, b));
         }
       if constexpr (is_far)
-        for (std::size_t byte = 0; byte < n_lanes * sizeof(Row); byte += line)
-          {
-            __builtin_prefetch(reinterpret_cast<const char *>(forces_.far_force.data() + far) + byte, 1);
-            if constexpr (is_rotation_free)
-              __builtin_prefetch(reinterpret_cast<const char *>(forces_.far_torque.data() + far) + byte, 1);
-          }
+        {
+          fetch_to_write(forces_.far_force.data() + far, n_lanes);
+          if constexpr (is_rotation_free)
+            fetch_to_write(forces_.far_torque.data() + far, n_lanes);
+        }
     }
 
-    /** Calls grains of the next block into the cache while this one is computed. */
-    [[gnu::always_inline]] void fetch_grains(const std::size_t begin) const
+    /** Calls grains of the next block. */
+    [[gnu::always_inline]] void fetch_grains(const std::size_t i) const
     {
-      constexpr std::size_t per_line = 2;
-      for (std::size_t i = begin; i < begin + fetched_grains; i += per_line)
+      fetch_for_later(place_ + i, fetched_grains);
+      fetch_for_later(velocity_ + i, fetched_grains);
+      if constexpr (is_rotation_free)
+        fetch_for_later(spin_ + i, fetched_grains);
+    }
+
+    /** Calls second grains of far pairs of the next block: they come from all over memory, and while near pairs are
+     * computed memory has the time. */
+    [[gnu::always_inline]] void fetch_second_grains(const std::size_t far) const
+    {
+      fetch(&network_.row_b[0] + far + fetch_ahead);
+      for (std::size_t k = far; k < std::min(far + fetched_far, network_.size()); ++k)
         {
-          __builtin_prefetch(place_ + i, 0, 2);
-          __builtin_prefetch(velocity_ + i, 0, 2);
+          const RowOffset b = network_.row_b[k];
+          fetch_for_later(&get_row(place_, b));
+          fetch_for_later(&get_row(velocity_, b));
           if constexpr (is_rotation_free)
-            __builtin_prefetch(spin_ + i, 0, 2);
+            fetch_for_later(&get_row(spin_, b));
         }
     }
 

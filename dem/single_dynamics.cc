@@ -1,6 +1,7 @@
 #include "dem/single_dynamics.h"
 
 #include "dem/block_shares.h"
+#include "dem/incoming.h"
 #include "dem/memory.h"
 #include "dem/single_pair_loop.h"
 
@@ -94,17 +95,7 @@ namespace dem
     void finish(const std::size_t k, TwinRow *const rows) const
     {
       const GrainBlock &block = network_.blocks[k];
-      const std::uint32_t *const grains = network_.incoming_grain.data(), *const far = network_.incoming_far.data();
-      const TwinRow *const far_force = dynamics_.far_force_.data();
-      for (std::size_t i = block.incoming_begin; i < block.incoming_end;)
-        {
-          const std::uint32_t grain = grains[i];
-          Octet sum = load_row(rows[grain]);
-          do // in a register: through memory each addition would wait for the one before
-            sum += load_row(far_force[far[i]]);
-          while (++i < block.incoming_end && grains[i] == grain);
-          store_row(rows[grain], sum);
-        }
+      take_incoming(network_, block, dynamics_.far_force_.data(), rows);
       if (task_.has_sums)
         sum_stiffness(block, rows, forces_.block_sums[k]);
       if (hook_)

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "dem/contact_forces.h"
+#include "dem/fetch.h"
 #include "dem/lane_sums.h"
 #include "dem/single_grains.h"
 #include "dem/single_twins.h"
@@ -33,10 +34,11 @@ namespace dem
           n_packs_(packs.size()), is_beyond_cache_(grains.counts.size() > cached_grains), results_(results)
     {}
 
-    /** Near pairs: both grains get their force at once. */
+    /** Near pairs: both grains get their force at once. The next block is called into the cache meanwhile. */
     void run_near(const GrainBlock &block)
     {
-      next_ = block.grain_end;
+      next_grain_ = block.grain_end;
+      next_far_ = block.near_end;
       run<false>(block.near_begin, block.near_end, 0);
     }
 
@@ -96,7 +98,7 @@ namespace dem
     {
       SinglePack *const packs = packs_ + k / n_singles;
       if (is_beyond_cache_)
-        fetch<is_far, n_parts<L>>(k / n_singles, far);
+        fetch_pairs<is_far, n_parts<L>>(k / n_singles, far);
       Touch<L> touch;
       measure(packs, moves, touch);
       if (!is_any(touch.is_touching))
@@ -118,27 +120,37 @@ namespace dem
 
     /** Calls into the cache what later pairs need, as PairLoop does. */
     template <bool is_far, int n>
-    [[gnu::always_inline]] void fetch(const std::size_t first, const std::size_t far)
+    [[gnu::always_inline]] void fetch_pairs(const std::size_t first, const std::size_t far)
     {
       for (std::size_t p = first + fetch_ahead; p < std::min(first + fetch_ahead + n, n_packs_); ++p)
         {
-          __builtin_prefetch(packs_[p].row_b + fetch_ahead * (sizeof(SinglePack) / sizeof(SingleOffset)));
+          fetch(packs_ + p + fetch_ahead);
           for (int j = 0; j < n_singles; ++j)
             {
-              __builtin_prefetch(&get_row(counts_, packs_[p].row_b[j]));
-              __builtin_prefetch(&get_row(motion_, packs_[p].row_b[j]));
+              fetch(&get_row(counts_, packs_[p].row_b[j]));
+              fetch(&get_row(motion_, packs_[p].row_b[j]));
             }
         }
       if constexpr (is_far)
-        for (std::size_t row = 0; row < n * n_singles; row += line / sizeof(TwinRow))
-          __builtin_prefetch(results_.far_forces + far + fetch_ahead * n_singles + row, 1);
-      else // the grains of the next block, while this one is computed
+        fetch_to_write(results_.far_forces + far + fetch_ahead * n_singles, n * n_singles);
+      else
+        fetch_next_block<n>();
+    }
+
+    /** Calls some grains of the next block and second grains of its far pairs. */
+    template <int n>
+    [[gnu::always_inline]] void fetch_next_block()
+    {
+      fetch_for_later(motion_ + next_grain_, n * fetched_grains);
+      fetch_for_later(counts_ + next_grain_, n * fetched_grains);
+      next_grain_ += n * fetched_grains;
+      fetch(packs_[next_far_ / n_singles + 1].row_b);
+      const std::size_t end = std::min(next_far_ + n * fetched_far, n_packs_ * n_singles);
+      for (; next_far_ < end; ++next_far_)
         {
-          for (std::size_t i = next_; i < next_ + n * fetched_grains; i += line / sizeof(TwinRow))
-            __builtin_prefetch(motion_ + i, 0, 2);
-          for (std::size_t i = next_; i < next_ + n * fetched_grains; i += line / sizeof(CountRow))
-            __builtin_prefetch(counts_ + i, 0, 2);
-          next_ += n * fetched_grains;
+          const SingleOffset b = packs_[next_far_ / n_singles].row_b[next_far_ % n_singles];
+          fetch_for_later(&get_row(counts_, b));
+          fetch_for_later(&get_row(motion_, b));
         }
     }
 
@@ -369,9 +381,9 @@ namespace dem
       });
     }
 
-    static constexpr std::size_t line = 64;          ///< of the cache [bytes]
-    static constexpr std::size_t fetch_ahead = 4;    ///< packs; their lists are called twice as far ahead
-    static constexpr std::size_t fetched_grains = 6; ///< with each pack: those of a block with its near pairs
+    static constexpr std::size_t fetch_ahead = 2;    ///< packs; they are called twice as far ahead as their grains
+    static constexpr std::size_t fetched_grains = 6; ///< with each pack of near pairs, as in PairLoop
+    static constexpr std::size_t fetched_far = 4;    ///< likewise, far pairs
 
     const SingleTask task_;
     const CountRow *const counts_;
@@ -379,7 +391,7 @@ namespace dem
     SinglePack *const packs_;
     const std::size_t n_packs_;
     const bool is_beyond_cache_;
-    std::size_t next_ = 0; // grain to be called into the cache
+    std::size_t next_grain_ = 0, next_far_ = 0; // to be called into the cache
     const SinglePairResults results_;
 
     LaneSums<Singles> sums_;
