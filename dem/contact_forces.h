@@ -29,13 +29,13 @@ namespace dem
   /** What acts on the grains, and room for its computation. */
   struct Forces
   {
-    std::vector<Row> force;  ///< x, y, z [N]; w: sum of kn over the grain's contacts [N/m]
-    std::vector<Row> torque; ///< x, y, z [N m]; w: sum of kn (lever arm)(mean lever arm)
-                             ///< [N m], half a row sum of the stiffness against spins; filled when rotation is free
+    LongArray<Row> force;  ///< x, y, z [N]; w: sum of kn over the grain's contacts [N/m]
+    LongArray<Row> torque; ///< x, y, z [N m]; w: sum of kn (lever arm)(mean lever arm)
+                           ///< [N m], half a row sum of the stiffness against spins; filled when rotation is free
     std::vector<double> largest_stress; ///< per grain, of N/(pi r' d) over its contacts [Pa]; filled when
                                         ///< Motion::has_contact_stress
 
-    std::vector<Row> far_force, far_torque;         ///< what each far pair does to its second grain [N; N m]
+    LongArray<Row> far_force, far_torque;           ///< what each far pair does to its second grain [N; N m]
     std::vector<double> normal_force, overlap;      ///< of each pair [N; m]; filled when Motion::has_contact_stress
     std::vector<Row> passing_force, passing_torque; ///< of the one block that each thread has at hand
     std::vector<ContactSums> block_sums;

@@ -3,6 +3,7 @@
 #include "dem/contact.h"
 #include "dem/contact_law.h"
 #include "dem/lane_rows.h"
+#include "dem/large_pages.h"
 #include "dem/rev_state.h"
 #include "dem/team.h"
 
@@ -58,10 +59,10 @@ namespace dem
   struct ContactNetwork
   {
     std::vector<std::uint32_t> a, b;
-    std::vector<RowOffset> row_a, row_b;           ///< where their rows lie in arrays of the grains
-    std::vector<double> radius_sum;                ///< Ra + Rb, less what has crept [m]
-    std::vector<double> root_radius;               ///< sqrt(R*) [m^0.5]
-    std::vector<double> shear_x, shear_y, shear_z; ///< shear force on a [N]; zero where apart
+    LongArray<RowOffset> row_a, row_b;           ///< where their rows lie in arrays of the grains
+    LongArray<double> radius_sum;                ///< Ra + Rb, less what has crept [m]
+    LongArray<double> root_radius;               ///< sqrt(R*) [m^0.5]
+    LongArray<double> shear_x, shear_y, shear_z; ///< shear force on a [N]; zero where apart
     std::vector<PairStatus> status;
 
     std::vector<GrainBlock> blocks;

@@ -1,10 +1,9 @@
 #pragma once
 
-#include "dem/memory.h"
+#include "dem/large_pages.h"
 
 #include <cstddef>
 #include <memory>
-#include <new>
 #include <utility>
 
 namespace dem
@@ -15,7 +14,7 @@ namespace dem
   public:
     MemoryBlock() = default;
     explicit MemoryBlock(const std::size_t n_bytes)
-        : bytes_(static_cast<std::byte *>(::operator new(n_bytes, std::align_val_t(cache_line)))), size_(n_bytes)
+        : bytes_(static_cast<std::byte *>(allocate_in_large_pages(n_bytes))), size_(n_bytes)
     {}
 
     std::byte *data() const { return bytes_.get(); }
@@ -30,7 +29,7 @@ namespace dem
   private:
     struct Free
     {
-      void operator()(std::byte *const bytes) const { ::operator delete(bytes, std::align_val_t(cache_line)); }
+      void operator()(std::byte *const bytes) const { release_large_pages(bytes); }
     };
 
     std::unique_ptr<std::byte, Free> bytes_;

@@ -1,5 +1,7 @@
 #include "dem/rev_arrays.h"
 
+#include "dem/memory.h"
+
 #include <cstring>
 #include <utility>
 

@@ -71,7 +71,7 @@ namespace
   }
 
   /** All forces of a state by the hot loop, nothing having moved. */
-  std::vector<Row> compute_forces(const RevState &state)
+  LongArray<Row> compute_forces(const RevState &state)
   {
     ContactNetwork network = build_contact_network(state, 0.1 * radius);
     Forces forces;

@@ -241,7 +241,7 @@ namespace
   /** What the hot loop gives the grains, kept or passed on block by block. */
   struct Given
   {
-    std::vector<Row> force, torque;
+    LongArray<Row> force, torque;
     ContactSums sums;
   };
 
@@ -249,7 +249,7 @@ namespace
   {
     const std::size_t n_grains_of_case = step.state.grains.size();
     Forces forces;
-    Given given{std::vector<Row>(n_grains_of_case), std::vector<Row>(n_grains_of_case), {}};
+    Given given{LongArray<Row>(n_grains_of_case), LongArray<Row>(n_grains_of_case), {}};
     const auto take = [&](const std::size_t k, const ForceRows &rows) {
       for (std::size_t i = network.blocks[k].grain_begin; i < network.blocks[k].grain_end; ++i)
         {

@@ -1,3 +1,4 @@
+#include "dem/memory.h"
 #include "dem/rev_arrays.h"
 
 #include <gtest/gtest.h>
