@@ -12,7 +12,7 @@
 
 namespace dem
 {
-  /** At most, in a REV of up to cached_grains; four times as many in a larger one. One that makes two blocks or less is
+  /** At most, in a REV of up to cached_grains; six times as many in a larger one. One that makes two blocks or less is
    * still one. */
   inline constexpr std::size_t grains_per_block = 512;
   inline constexpr std::size_t cached_grains = 30000; ///< more, with their contacts, do not lie in the caches of a core

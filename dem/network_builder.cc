@@ -15,7 +15,7 @@ namespace dem
     void make_blocks(ContactNetwork &network, const std::size_t n_grains)
     {
       // Beyond the cache fewer far pairs, whose forces pass through memory, outweigh blocks that lie near at hand.
-      const std::size_t size = n_grains > cached_grains ? 4 * grains_per_block : grains_per_block;
+      const std::size_t size = n_grains > cached_grains ? 6 * grains_per_block : grains_per_block;
       const std::size_t n_full = (n_grains + size - 1) / size;
       const std::size_t n_blocks = n_full <= 2 ? 1 : n_full + n_full % 2;
       network.blocks.resize(n_blocks);
