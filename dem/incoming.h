@@ -17,7 +17,7 @@ namespace dem
   template <typename R>
   void take_incoming(const ContactNetwork &network, const GrainBlock &block, const R *const far_rows, R *const rows)
   {
-    constexpr std::size_t fetch_ahead = 40; // far pairs
+    constexpr std::size_t fetch_ahead = 100; // far pairs
     const std::uint32_t *const grains = network.incoming_grain.data(), *const far = network.incoming_far.data();
     const std::size_t end = block.incoming_end;
     for (std::size_t k = block.incoming_begin; k < end;)
