@@ -12,9 +12,8 @@
 
 namespace dem
 {
-  /** At most, in a REV of up to cached_grains; six times as many in a larger one. One that makes two blocks or less is
-   * still one. */
-  inline constexpr std::size_t grains_per_block = 512;
+  inline constexpr std::size_t undivided_grains = 1024; ///< so many, or fewer, are one block
+  inline constexpr std::size_t grains_per_block = 2048; ///< at most, of a REV of more grains
   inline constexpr std::size_t cached_grains = 30000; ///< more, with their contacts, do not lie in the caches of a core
 
   /** What a candidate pair is at the moment. */

@@ -70,7 +70,7 @@ namespace dem
     motion_.strain_increment.setZero();
     has_masses_ = false;
     // Crushing leaves siblings at the end of the store. A REV of one block lies in the nearest cache in any order.
-    if (state_.grains.size() > 2 * grains_per_block)
+    if (state_.grains.size() > undivided_grains)
       {
         const Stopwatch watch(profile_[Part::search]);
         sort_in_space(state_);

@@ -5,19 +5,19 @@
 #include "dem/wall_contacts.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 namespace dem
 {
   namespace
   {
-    /** Blocks of nearly equal size, an even number of them once there are two. */
+    /** Blocks of nearly equal size. A power of two of them are cubes on Hilbert's curve, or halves or quarters of
+     * cubes, which have the fewest far pairs; four at least, for as many threads. */
     void make_blocks(ContactNetwork &network, const std::size_t n_grains)
     {
-      // Beyond the cache fewer far pairs, whose forces pass through memory, outweigh blocks that lie near at hand.
-      const std::size_t size = n_grains > cached_grains ? 6 * grains_per_block : grains_per_block;
-      const std::size_t n_full = (n_grains + size - 1) / size;
-      const std::size_t n_blocks = n_full <= 2 ? 1 : n_full + n_full % 2;
+      const std::size_t n_full = (n_grains + grains_per_block - 1) / grains_per_block;
+      const std::size_t n_blocks = n_grains <= undivided_grains ? 1 : std::max<std::size_t>(4, std::bit_ceil(n_full));
       network.blocks.resize(n_blocks);
       for (std::size_t k = 0; k < n_blocks; ++k)
         {

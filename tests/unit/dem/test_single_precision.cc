@@ -226,7 +226,7 @@ namespace
   {
     // Law: results do not depend on the number of threads, bit by bit; grains free to turn and blocked.
     const RevState start = make_large_state();
-    ASSERT_GT(start.grains.size(), 2 * grains_per_block);
+    ASSERT_GT(start.grains.size(), undivided_grains);
     for (const bool is_rotation_free : {false, true})
       {
         const RevState alone = strain(start, Precision::single, 1, is_rotation_free, make_compression());

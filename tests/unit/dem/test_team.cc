@@ -61,7 +61,7 @@ namespace
     for (const bool is_rotation_free : {false, true})
       {
         const RevState alone = strain(1, is_rotation_free);
-        ASSERT_GT(alone.grains.size(), 2 * grains_per_block);
+        ASSERT_GT(alone.grains.size(), undivided_grains);
         ASSERT_GT(alone.counters.cycles, 500u);
         for (const std::size_t n_threads : {2, 3})
           EXPECT_TRUE(are_equal_bits(strain(n_threads, is_rotation_free), alone)) << n_threads;
