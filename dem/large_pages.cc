@@ -10,8 +10,9 @@ namespace dem
 {
   namespace
   {
-    constexpr std::size_t page = std::size_t(1) << 21; // [bytes]
-  }                                                    // namespace
+    /** A large one [bytes]. */
+    constexpr std::size_t page = std::size_t(1) << 21;
+  } // namespace
 
   void *allocate_in_large_pages(const std::size_t n_bytes)
   {

@@ -2,6 +2,7 @@
 
 #include "dem/memory.h"
 
+#include <algorithm>
 #include <cstring>
 #include <utility>
 
