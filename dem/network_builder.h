@@ -22,12 +22,14 @@ namespace dem
     std::size_t count_bytes() const; ///< memory that it holds
 
   private:
-    /** Far or near, touching or apart: the order of a block's pairs. */
+    /** Far or near; touching, apart by so little that they will touch soon, or apart: the order of a block's pairs. */
     enum Sort : std::uint8_t
     {
       far_touching,
+      far_close,
       far_apart,
       near_touching,
+      near_close,
       near_apart,
       n_sorts
     };
@@ -36,10 +38,12 @@ namespace dem
     struct Layout
     {
       std::array<std::size_t, n_sorts> n; ///< pairs of each sort
+
+      std::size_t count(Sort first, Sort last) const; ///< pairs of these sorts and those between
     };
 
     static void set_reaches(const RevState &state, std::span<const double> skins, ContactNetwork &network);
-    void sort_block(const RevState &state, const GrainBlock &block, Layout &layout);
+    void sort_block(const RevState &state, const ContactNetwork &network, std::size_t k);
     void lay_out_blocks(ContactNetwork &network) const;
     void fill_block(const RevState &state, std::size_t k, ContactNetwork &network);
     void list_incoming(const RevState &state, Team &team, ContactNetwork &network);

@@ -30,7 +30,7 @@ def list_fields(folder):
     return [line for line in (folder / "fields.pvd").read_text().splitlines() if "<DataSet" in line]
 
 
-LAZY = ("--set", "REVs/Lazy tolerance=1e-2")
+LAZY = ("--set", "REVs/Lazy tolerance=3e-2")
 
 
 def kill_in_stage(build, case, output, stage, n_rows, interval, options=()):

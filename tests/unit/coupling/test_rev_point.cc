@@ -34,13 +34,13 @@ namespace
     return coupling::evaluate(rev, coupling::to_tensor(increment), true, {}).response;
   }
 
-  void expect_turned(const fem::PointResponse &turned, const fem::PointResponse &plain, const dem::Matrix &q)
+  void expect_turned(const fem::PointResponse &turned, const fem::PointResponse &plain, const dem::Matrix &q,
+                     const double tolerance)
   {
     const auto stress = coupling::to_symmetric_tensor(q * coupling::to_matrix(plain.stress) * q.transpose());
-    // The REV is asked for the same bits: what is left is the rounding of some products of rotations.
-    EXPECT_LT((turned.stress - stress).norm(), 1e-13 * stress.norm());
+    EXPECT_LT((turned.stress - stress).norm(), tolerance * stress.norm());
     const auto tangent = coupling::rotate(plain.tangent, q);
-    EXPECT_LT((turned.tangent - tangent).norm(), 1e-13 * tangent.norm());
+    EXPECT_LT((turned.tangent - tangent).norm(), tolerance * tangent.norm());
   }
 
   class Objectivity : public testing::TestWithParam<bool>
@@ -57,7 +57,8 @@ TEST_P(Objectivity, StressAndTangentTurnWithTheIncrement)
   ASSERT_EQ(plain.status, fem::Status::ok);
   for (const double degrees : {1., 17., 60.})
     expect_turned(evaluate(rev, rev_sample::make_rotation(degrees) * make_stretch()), plain,
-                  rev_sample::make_rotation(degrees));
+                  rev_sample::make_rotation(degrees),
+                  1e-13); // the REV is asked for the same bits: what is left is the rounding of products of rotations
 }
 
 // Everything turned: the first increment ends in turned axes, and the second is the same one seen from there.
@@ -75,7 +76,8 @@ TEST_P(Objectivity, HistoryTurnsAsAWhole)
       dem::Rev turned = rev_sample::make_rev(rev_sample::make_model(GetParam()));
       evaluate(turned, q * make_stretch());
       turned.accept();
-      expect_turned(evaluate(turned, q * second * q.transpose()), plain, q);
+      // Two increments of last bits that differ: contacts make up to 5e-11 of that. A wrong rotation is worth 1e-2.
+      expect_turned(evaluate(turned, q * second * q.transpose()), plain, q, 1e-8);
     }
 }
 
