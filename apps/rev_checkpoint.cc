@@ -1,6 +1,6 @@
 #include "apps/rev_checkpoint.h"
 
-#include "dem/snapshot.h"
+#include "dem/rev_snapshot.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

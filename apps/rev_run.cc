@@ -6,7 +6,7 @@
 
 #include "dem/attempt_judgement.h"
 #include "dem/packing_file.h"
-#include "dem/snapshot.h"
+#include "dem/rev_snapshot.h"
 #include "dem/stage_path.h"
 #include "dem/stopwatch.h"
 #include "dem/wall_contacts.h"

@@ -2,7 +2,7 @@
 
 #include "coupling/rev_model_text.h"
 
-#include "dem/snapshot.h"
+#include "dem/rev_snapshot.h"
 
 #include <fmt/format.h>
 

@@ -3,7 +3,7 @@
 #include "coupling/rev_material.h"
 #include "coupling/tensor_conversion.h"
 
-#include "dem/snapshot.h"
+#include "dem/rev_snapshot.h"
 
 #include <fmt/format.h>
 

@@ -6,7 +6,7 @@
 #include "tests/support/scratch_folder.h"
 #include "tests/unit/coupling/rev_sample.h"
 
-#include "dem/snapshot.h"
+#include "dem/rev_snapshot.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 #include "dem/contact_creep.h"
 
 #include "dem/contact_forces.h"
-#include "dem/snapshot.h"
+#include "dem/rev_snapshot.h"
 #include "dem/splitting.h"
 #include "dem/wall_contacts.h"
 #include "dem/walls.h"

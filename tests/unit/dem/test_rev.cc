@@ -1,7 +1,7 @@
 #include "dem/rev.h"
 #include "dem/stopwatch.h"
 
-#include "dem/snapshot.h"
+#include "dem/rev_snapshot.h"
 #include "dem/splitting.h"
 #include "tests/support/rev_cases.h"
 

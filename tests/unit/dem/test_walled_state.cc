@@ -1,7 +1,7 @@
 #include "dem/contact_network.h"
 #include "dem/packing_file.h"
 #include "dem/programme_check.h"
-#include "dem/snapshot.h"
+#include "dem/rev_snapshot.h"
 #include "dem/wall_contacts.h"
 #include "tests/support/memory_cases.h"
 #include "tests/support/rev_cases.h"

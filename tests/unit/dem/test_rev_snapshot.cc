@@ -1,4 +1,4 @@
-#include "dem/snapshot.h"
+#include "dem/rev_snapshot.h"
 
 #include <sys/mount.h>
 #include <sys/resource.h>
