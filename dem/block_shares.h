@@ -11,13 +11,6 @@ namespace dem
   /** Grains of the largest block: blocks differ by one at most. */
   std::size_t count_largest_block(const ContactNetwork &network);
 
-  /** Rows from `first` on as if they belonged to the grains from `grain` on. */
-  template <typename R>
-  R *shift_rows(R *const first, const std::size_t grain)
-  {
-    return reinterpret_cast<R *>(reinterpret_cast<std::uintptr_t>(first) - grain * sizeof(R));
-  }
-
   /** What is to be done with each block of a network. */
   struct BlockWork
   {

@@ -3,6 +3,7 @@
 #include "dem/block_shares.h"
 #include "dem/fracture.h"
 #include "dem/incoming.h"
+#include "dem/memory.h"
 #include "dem/pair_loop.h"
 
 #include <algorithm>
@@ -22,26 +23,26 @@ namespace dem
         loop.run_near(block);
       else
         {
-          std::fill(rows.force + block.grain_begin, rows.force + block.grain_end, Row{});
-          if constexpr (is_rotation_free)
-            std::fill(rows.torque + block.grain_begin, rows.torque + block.grain_end, Row{});
+          auto *const actions = rows.get<is_rotation_free>();
+          std::fill(actions + block.grain_begin, actions + block.grain_end, ActionOf<is_rotation_free>{});
           loop.run_far(block);
         }
       return loop.finish();
     }
 
     /** Sum of the fourth numbers, grain by grain: it must not depend on which pairs share a vector. */
-    double sum_stiffness(const Row *const rows, const GrainBlock &block)
+    template <typename GetRow>
+    double sum_stiffness(const GrainBlock &block, const GetRow &get_row)
     {
       RowLanes even{}, odd{};
       std::size_t i = block.grain_begin;
       for (; i + 1 < block.grain_end; i += 2)
         {
-          even += load_row(rows[i]);
-          odd += load_row(rows[i + 1]);
+          even += load_row(get_row(i));
+          odd += load_row(get_row(i + 1));
         }
       if (i < block.grain_end)
-        even += load_row(rows[i]);
+        even += load_row(get_row(i));
       return even[3] + odd[3];
     }
 
@@ -53,13 +54,13 @@ namespace dem
           : task_(task), network_(network), forces_(forces), is_complete_(is_complete)
       {}
 
-      void compute_far(const std::size_t k) const { compute_far(k, forces_.get_rows()); }
+      void compute_far(const std::size_t k) const { compute_far(k, forces_.on_grains.get_rows()); }
 
       /** The pairs of block k, and all of it once all that reach into it have been computed. */
       void compute(const std::size_t k, const std::size_t thread, const bool has_far, const bool is_complete) const
       {
         const bool is_passing = is_complete && !has_far && is_complete_;
-        const ForceRows rows = is_passing ? get_passing_rows(k, thread) : forces_.get_rows();
+        const ForceRows rows = is_passing ? get_passing_rows(k, thread) : forces_.on_grains.get_rows();
         if (!has_far)
           compute_far(k, rows);
         add_to(forces_.block_sums[k], compute_(task_, network_.blocks[k], network_, forces_, rows, false));
@@ -68,7 +69,7 @@ namespace dem
       }
 
       /** @pre all pairs that reach into block k have been computed */
-      void complete(const std::size_t k) const { finish(k, forces_.get_rows()); }
+      void complete(const std::size_t k) const { finish(k, forces_.on_grains.get_rows()); }
 
     private:
       using Compute = ContactSums (*)(const ForceTask &, const GrainBlock &, ContactNetwork &, Forces &,
@@ -88,23 +89,23 @@ namespace dem
 
       ForceRows get_passing_rows(const std::size_t k, const std::size_t thread) const
       {
-        const std::size_t grain = network_.blocks[k].grain_begin, first = thread * count_largest_block(network_);
-        return {shift_rows(forces_.passing_force.data() + first, grain),
-                shift_rows(forces_.passing_torque.data() + first, grain)};
+        return forces_.passing.get_rows(thread * count_largest_block(network_), network_.blocks[k].grain_begin);
       }
 
       /** Block k has all that its own and other blocks' pairs do to it. */
       void finish(const std::size_t k, const ForceRows &rows) const
       {
         const GrainBlock &block = network_.blocks[k];
-        take_incoming(network_, block, forces_.far_force.data(), rows.force);
-        if (task_.motion.is_rotation_free)
-          take_incoming(network_, block, forces_.far_torque.data(), rows.torque);
+        const ForceRows of_far = forces_.of_far.get_rows();
+        task_.motion.is_rotation_free ? take_incoming(network_, block, of_far.get<true>(), rows.get<true>())
+                                      : take_incoming(network_, block, of_far.get<false>(), rows.get<false>());
         if (task_.motion.has_sums)
           {
-            forces_.block_sums[k].stiffness = sum_stiffness(rows.force, block);
+            forces_.block_sums[k].stiffness =
+                sum_stiffness(block, [&](const std::size_t i) -> Row & { return rows.force(i); });
             if (task_.motion.is_rotation_free)
-              forces_.block_sums[k].turning_stiffness = sum_stiffness(rows.torque, block);
+              forces_.block_sums[k].turning_stiffness =
+                  sum_stiffness(block, [&](const std::size_t i) -> Row & { return rows.torque(i); });
           }
         if (is_complete_)
           is_complete_(k, rows);
@@ -119,16 +120,9 @@ namespace dem
 
     void make_room(const ForceTask &task, const ContactNetwork &network, const std::size_t n_threads, Forces &forces)
     {
-      const std::size_t n_grains = task.state.grains.size(), n_far = network.n_far;
-      forces.force.resize(n_grains);
-      forces.far_force.resize(n_far);
-      forces.passing_force.resize(n_threads * count_largest_block(network));
-      if (task.motion.is_rotation_free)
-        {
-          forces.torque.resize(n_grains);
-          forces.far_torque.resize(n_far);
-          forces.passing_torque.resize(n_threads * count_largest_block(network));
-        }
+      forces.on_grains.resize(task.state.grains.size(), task.motion.is_rotation_free);
+      forces.of_far.resize(network.n_far, task.motion.is_rotation_free);
+      forces.passing.resize(n_threads * count_largest_block(network), task.motion.is_rotation_free);
       if (task.motion.has_contact_stress)
         {
           forces.normal_force.resize(network.size());
@@ -137,6 +131,12 @@ namespace dem
       forces.block_sums.resize(network.blocks.size());
     }
   } // namespace
+
+  std::size_t Forces::count_bytes() const
+  {
+    return on_grains.count_bytes() + of_far.count_bytes() + passing.count_bytes() +
+           dem::count_bytes(largest_stress, normal_force, overlap, block_sums);
+  }
 
   ContactSums get_unknown_sums()
   {

@@ -2,6 +2,7 @@
 
 #include "dem/contact_law.h"
 #include "dem/contact_network.h"
+#include "dem/force_rows.h"
 #include "dem/team.h"
 
 #include <functional>
@@ -20,27 +21,21 @@ namespace dem
     Vector wall_force = Vector::Zero(); ///< from both walls across x, y, z on the grains, outward positive [N]
   };
 
-  /** Where the forces and torques on grains lie, found by the number of a grain; of one block alone, or of all. */
-  struct ForceRows
-  {
-    Row *force, *torque;
-  };
-
   /** What acts on the grains, and room for its computation. */
   struct Forces
   {
-    LongArray<Row> force;  ///< x, y, z [N]; w: sum of kn over the grain's contacts [N/m]
-    LongArray<Row> torque; ///< x, y, z [N m]; w: sum of kn (lever arm)(mean lever arm)
-                           ///< [N m], half a row sum of the stiffness against spins; filled when rotation is free
+    /** Force: x, y, z [N]; w: sum of kn over the grain's contacts [N/m]. Torque, when rotation is free: x, y, z [N m];
+     * w: sum of kn (lever arm)(mean lever arm) [N m], half a row sum of the stiffness against spins. */
+    ForceTable on_grains;
     std::vector<double> largest_stress; ///< per grain, of N/(pi r' d) over its contacts [Pa]; filled when
                                         ///< Motion::has_contact_stress
 
-    LongArray<Row> far_force, far_torque;           ///< what each far pair does to its second grain [N; N m]
-    std::vector<double> normal_force, overlap;      ///< of each pair [N; m]; filled when Motion::has_contact_stress
-    std::vector<Row> passing_force, passing_torque; ///< of the one block that each thread has at hand
+    ForceTable of_far;                         ///< what each far pair does to its second grain, likewise
+    ForceTable passing;                        ///< on the grains of the one block that each thread has at hand
+    std::vector<double> normal_force, overlap; ///< of each pair [N; m]; filled when Motion::has_contact_stress
     std::vector<ContactSums> block_sums;
 
-    ForceRows get_rows() { return {force.data(), torque.data()}; }
+    std::size_t count_bytes() const; ///< memory that it holds
   };
 
   /** How the grains have moved since forces were last computed. */

@@ -164,7 +164,7 @@ namespace dem
     const Stopwatch watch(profile_[Part::motion]);
     block_steps_.resize(network_.blocks.size());
     team_.run(network_.blocks.size(), [this](const std::size_t k) {
-      single_ ? move_block(k, single_->get_forces()) : move_block(k, forces_.get_rows());
+      single_ ? move_block(k, single_->get_forces()) : move_block(k, forces_.on_grains.get_rows());
     });
   }
 
@@ -241,10 +241,7 @@ namespace dem
   std::size_t Dynamics::count_bytes() const
   {
     return network_.count_bytes() + builder_.count_bytes() + skins_.count_bytes() +
-           (single_ ? single_->count_bytes() : 0) +
-           dem::count_bytes(forces_.force, forces_.torque, forces_.largest_stress, forces_.far_force,
-                            forces_.far_torque, forces_.passing_force, forces_.passing_torque, forces_.normal_force,
-                            forces_.overlap, forces_.block_sums);
+           (single_ ? single_->count_bytes() : 0) + forces_.count_bytes();
   }
 
   Matrix Dynamics::compute_stress() const

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "dem/force_rows.h"
 #include "dem/lanes.h"
 
 /** Rows of four numbers to lanes and back. */
@@ -7,6 +8,7 @@ namespace dem
 {
   using RowLanes = double __attribute__((vector_size(32), may_alias));
   using RowMask = std::int64_t __attribute__((vector_size(32), may_alias));
+  using ActionLanes = double __attribute__((vector_size(64), may_alias));
 
   /** The four numbers of sixteen rows, number by number. */
   struct RowsOfLanes
@@ -30,6 +32,16 @@ namespace dem
     *reinterpret_cast<RowLanes *>(&row) = value;
   }
 
+  [[gnu::always_inline]] inline ActionLanes load_row(const Action &action)
+  {
+    return *reinterpret_cast<const ActionLanes *>(&action);
+  }
+
+  [[gnu::always_inline]] inline void store_row(Action &action, const ActionLanes value)
+  {
+    *reinterpret_cast<ActionLanes *>(&action) = value;
+  }
+
   [[gnu::always_inline]] inline void add_row(Row &row, const RowLanes value)
   {
     store_row(row, load_row(row) + value);
@@ -46,6 +58,23 @@ namespace dem
   [[gnu::always_inline]] inline Row &get_row(Row *const rows, const RowOffset offset)
   {
     return *reinterpret_cast<Row *>(reinterpret_cast<char *>(rows) + offset);
+  }
+
+  /** Of the grain whose row lies there. */
+  [[gnu::always_inline]] inline Action &get_row(Action *const actions, const RowOffset offset)
+  {
+    return *reinterpret_cast<Action *>(reinterpret_cast<char *>(actions) + std::size_t(2) * offset);
+  }
+
+  /** Four numbers, and the same one four times behind them. */
+  [[gnu::always_inline]] inline ActionLanes join(const RowLanes low, const double &high)
+  {
+#ifdef __AVX512VL__
+    return reinterpret_cast<ActionLanes>(
+        _mm512_mask_broadcastsd_pd(_mm512_castpd256_pd512(reinterpret_cast<__m256d>(low)), 0xf0, _mm_load_sd(&high)));
+#else
+    return ActionLanes{low[0], low[1], low[2], low[3], high, high, high, high};
+#endif
   }
 
   [[gnu::always_inline]] inline Half join(const RowLanes low, const RowLanes high)
@@ -121,18 +150,30 @@ namespace dem
     return {join(sum[0], sum[1]), join(difference[0], difference[1])};
   }
 
-  /** Calls take(i, row) for eight rows in their order, as numbers `first` to `first + 7`: transpose, backwards. */
-  template <typename Taker>
-  [[gnu::always_inline]] inline void give_half(const RowsOfHalf &v, const int first, const Taker &take)
+  /** Eight rows; r04 holds rows 0 and 4, and so on. */
+  struct RowsByTwo
+  {
+    Half r04, r15, r26, r37;
+  };
+
+  /** transpose, backwards. */
+  [[gnu::always_inline]] inline RowsByTwo collect_rows(const RowsOfHalf &v)
   {
     const Half xy0 = __builtin_shufflevector(v.x, v.y, 0, 8, 2, 10, 4, 12, 6, 14);
     const Half xy1 = __builtin_shufflevector(v.x, v.y, 1, 9, 3, 11, 5, 13, 7, 15);
     const Half zw0 = __builtin_shufflevector(v.z, v.w, 0, 8, 2, 10, 4, 12, 6, 14);
     const Half zw1 = __builtin_shufflevector(v.z, v.w, 1, 9, 3, 11, 5, 13, 7, 15);
-    const Half r04 = __builtin_shufflevector(xy0, zw0, 0, 1, 8, 9, 4, 5, 12, 13);
-    const Half r26 = __builtin_shufflevector(xy0, zw0, 2, 3, 10, 11, 6, 7, 14, 15);
-    const Half r15 = __builtin_shufflevector(xy1, zw1, 0, 1, 8, 9, 4, 5, 12, 13);
-    const Half r37 = __builtin_shufflevector(xy1, zw1, 2, 3, 10, 11, 6, 7, 14, 15);
+    return {__builtin_shufflevector(xy0, zw0, 0, 1, 8, 9, 4, 5, 12, 13),
+            __builtin_shufflevector(xy1, zw1, 0, 1, 8, 9, 4, 5, 12, 13),
+            __builtin_shufflevector(xy0, zw0, 2, 3, 10, 11, 6, 7, 14, 15),
+            __builtin_shufflevector(xy1, zw1, 2, 3, 10, 11, 6, 7, 14, 15)};
+  }
+
+  /** Calls take(i, row) for eight rows in their order, as numbers `first` to `first + 7`. */
+  template <typename Taker>
+  [[gnu::always_inline]] inline void give_half(const RowsOfHalf &v, const int first, const Taker &take)
+  {
+    const auto [r04, r15, r26, r37] = collect_rows(v);
     take(first + 0, __builtin_shufflevector(r04, r04, 0, 1, 2, 3));
     take(first + 1, __builtin_shufflevector(r15, r15, 0, 1, 2, 3));
     take(first + 2, __builtin_shufflevector(r26, r26, 0, 1, 2, 3));
@@ -143,11 +184,41 @@ namespace dem
     take(first + 7, __builtin_shufflevector(r37, r37, 4, 5, 6, 7));
   }
 
+  /** The same with actions: rows of forces and of torques side by side. */
+  template <typename Taker>
+  [[gnu::always_inline]] inline void give_half(const RowsOfHalf &force, const RowsOfHalf &torque, const int first,
+                                               const Taker &take)
+  {
+    const RowsByTwo f = collect_rows(force), t = collect_rows(torque);
+    constexpr auto low = [](const Half p, const Half q) {
+      return ActionLanes(__builtin_shufflevector(p, q, 0, 1, 2, 3, 8, 9, 10, 11));
+    };
+    constexpr auto high = [](const Half p, const Half q) {
+      return ActionLanes(__builtin_shufflevector(p, q, 4, 5, 6, 7, 12, 13, 14, 15));
+    };
+    take(first + 0, low(f.r04, t.r04));
+    take(first + 1, low(f.r15, t.r15));
+    take(first + 2, low(f.r26, t.r26));
+    take(first + 3, low(f.r37, t.r37));
+    take(first + 4, high(f.r04, t.r04));
+    take(first + 5, high(f.r15, t.r15));
+    take(first + 6, high(f.r26, t.r26));
+    take(first + 7, high(f.r37, t.r37));
+  }
+
   /** Calls take(i, row) for the sixteen rows in their order. */
   template <typename Taker>
   [[gnu::always_inline]] inline void give_rows(const RowsOfLanes &v, const Taker &take)
   {
     give_half({v.x.low, v.y.low, v.z.low, v.w.low}, 0, take);
     give_half({v.x.high, v.y.high, v.z.high, v.w.high}, n_half, take);
+  }
+
+  /** Calls take(i, action) for the sixteen in their order. */
+  template <typename Taker>
+  [[gnu::always_inline]] inline void give_actions(const RowsOfLanes &f, const RowsOfLanes &t, const Taker &take)
+  {
+    give_half({f.x.low, f.y.low, f.z.low, f.w.low}, {t.x.low, t.y.low, t.z.low, t.w.low}, 0, take);
+    give_half({f.x.high, f.y.high, f.z.high, f.w.high}, {t.x.high, t.y.high, t.z.high, t.w.high}, n_half, take);
   }
 } // namespace dem

@@ -3,6 +3,7 @@
 #include "dem/lane_rows.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -16,10 +17,11 @@ namespace dem
       double smallest_square = std::numeric_limits<double>::infinity();
       for (std::size_t i = 0; i < grains.size(); ++i)
         {
-          if (forces.force[i].w > 0.)
-            smallest_square = std::min(smallest_square, 2. * grains.velocity[i].w / forces.force[i].w);
-          if (rule.is_rotation_free && forces.torque[i].w > 0.)
-            smallest_square = std::min(smallest_square, 2. * grains.spin[i].w / forces.torque[i].w);
+          const double stiffness = forces.on_grains.force(i).w;
+          if (stiffness > 0.)
+            smallest_square = std::min(smallest_square, 2. * grains.velocity[i].w / stiffness);
+          if (rule.is_rotation_free && forces.on_grains.torque(i).w > 0.)
+            smallest_square = std::min(smallest_square, 2. * grains.spin[i].w / forces.on_grains.torque(i).w);
         }
       if (std::isfinite(smallest_square))
         kinetics.time_step = rule.time_step_share * std::sqrt(smallest_square);
@@ -94,18 +96,51 @@ namespace dem
         advance(i, dividend / get_divisor(i));
     }
 
-    void spin_grains(Grains &grains, const std::size_t begin, const std::size_t end, const MotionTask &task)
+    const Row &get_force(const Row &force)
     {
-      const Row *const torques = task.rows.torque;
-      Row *const spins = grains.spin.data();
-      const double smallest = task.kinetics.smallest_inertia, alpha = task.rule.local_damping;
+      return force;
+    }
+    const Row &get_force(const Action &action)
+    {
+      return action.force;
+    }
+
+    /** advance_grains, with spins or without. */
+    template <bool is_rotation_free>
+    double advance_some(Grains &grains, const std::size_t begin, const std::size_t end, const MotionTask &task)
+    {
+      const double dt = task.kinetics.time_step, alpha = task.rule.local_damping;
+      const double smallest = task.kinetics.smallest_mass, smallest_inertia = task.kinetics.smallest_inertia;
       const bool is_true = task.rule.has_true_masses;
+      const ToFractions to_fractions(task.cell.edges.inverse() * dt);
+      const auto *const actions = task.rows.get<is_rotation_free>();
+      Row *const velocities = grains.velocity.data(), *const places = grains.place.data();
+      RowLanes largest_square{};
       divide_by_fours(
-          begin, end, task.kinetics.time_step,
-          [=](const std::size_t i) { return is_true ? spins[i].w : std::max(torques[i].w, smallest); },
-          [=](const std::size_t i, const double step_over_inertia) {
-            store_row(spins[i], accelerate(load_row(spins[i]), load_row(torques[i]), step_over_inertia, alpha));
+          begin, end, dt,
+          [=](const std::size_t i) { return is_true ? velocities[i].w : std::max(get_force(actions[i]).w, smallest); },
+          [&](const std::size_t i, const double step_over_mass) {
+            const RowLanes v =
+                accelerate(load_row(velocities[i]), load_row(get_force(actions[i])), step_over_mass, alpha);
+            store_row(velocities[i], v);
+            store_row(places[i], load_row(places[i]) + to_fractions(v));
+            const RowLanes square = v * v;
+            largest_square = square > largest_square ? square : largest_square;
           });
+      if constexpr (is_rotation_free)
+        {
+          Row *const spins = grains.spin.data();
+          divide_by_fours(
+              begin, end, dt,
+              [=](const std::size_t i) {
+                return is_true ? spins[i].w : std::max(actions[i].torque.w, smallest_inertia);
+              },
+              [=](const std::size_t i, const double step_over_inertia) {
+                const RowLanes torque = load_row(actions[i].torque);
+                store_row(spins[i], accelerate(load_row(spins[i]), torque, step_over_inertia, alpha));
+              });
+        }
+      return std::sqrt(largest_square[0] + largest_square[1] + largest_square[2]) * dt;
     }
   } // namespace
 
@@ -132,33 +167,19 @@ namespace dem
 
   double advance_grains(Grains &grains, const std::size_t begin, const std::size_t end, const MotionTask &task)
   {
-    const double dt = task.kinetics.time_step, smallest = task.kinetics.smallest_mass;
-    const double alpha = task.rule.local_damping;
-    const bool is_true = task.rule.has_true_masses;
-    const ToFractions to_fractions(task.cell.edges.inverse() * dt);
-    const Row *const forces = task.rows.force;
-    Row *const velocities = grains.velocity.data(), *const places = grains.place.data();
-    RowLanes largest_square{};
-    divide_by_fours(
-        begin, end, dt,
-        [=](const std::size_t i) { return is_true ? velocities[i].w : std::max(forces[i].w, smallest); },
-        [&](const std::size_t i, const double step_over_mass) {
-          const RowLanes v = accelerate(load_row(velocities[i]), load_row(forces[i]), step_over_mass, alpha);
-          store_row(velocities[i], v);
-          store_row(places[i], load_row(places[i]) + to_fractions(v));
-          const RowLanes square = v * v;
-          largest_square = square > largest_square ? square : largest_square;
-        });
-    if (task.rule.is_rotation_free)
-      spin_grains(grains, begin, end, task);
-    return std::sqrt(largest_square[0] + largest_square[1] + largest_square[2]) * dt;
+    assert(task.rows.n_rows == (task.rule.is_rotation_free ? 2 : 1));
+    return task.rule.is_rotation_free ? advance_some<true>(grains, begin, end, task)
+                                      : advance_some<false>(grains, begin, end, task);
   }
 
   double compute_mean_resultant(const Forces &forces)
   {
     double sum = 0.;
-    for (const Row &force : forces.force)
-      sum += std::sqrt(force.x * force.x + force.y * force.y + force.z * force.z);
-    return sum / static_cast<double>(std::max<std::size_t>(1, forces.force.size()));
+    for (std::size_t i = 0; i < forces.on_grains.size(); ++i)
+      {
+        const Row &force = forces.on_grains.force(i);
+        sum += std::sqrt(force.x * force.x + force.y * force.y + force.z * force.z);
+      }
+    return sum / static_cast<double>(std::max<std::size_t>(1, forces.on_grains.size()));
   }
 } // namespace dem

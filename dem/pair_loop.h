@@ -37,7 +37,8 @@ namespace dem
           spin_(task.state.grains.spin.data()), edges_(task.state.cell.edges), strain_(task.motion.strain_increment),
           time_step_(task.motion.time_step), has_contact_stress_(task.motion.has_contact_stress),
           has_sums_(task.motion.has_sums), is_beyond_cache_(task.state.grains.size() > cached_grains),
-          network_(network), forces_(forces), rows_(rows)
+          network_(network), forces_(forces), results_(rows.get<is_rotation_free>()),
+          results_of_far_(forces.of_far.get_rows().get<is_rotation_free>())
     {}
 
     /** Near pairs: both grains get their force at once. The next block is called into the cache meanwhile. */
@@ -56,7 +57,7 @@ namespace dem
         }
     }
 
-    /** Far pairs: what the second grain gets waits in `far_force` and `far_torque`. */
+    /** Far pairs: what the second grain gets waits in `Forces::of_far`. */
     void run_far(const GrainBlock &block)
     {
       for (std::size_t k = block.far_begin; k < block.near_begin; k += n_lanes)
@@ -66,6 +67,8 @@ namespace dem
     ContactSums finish() const { return has_sums_ ? sums_.add_up() : get_unknown_sums(); }
 
   private:
+    using Result = ActionOf<is_rotation_free>;
+
     static constexpr std::size_t fetch_ahead = n_lanes; ///< pairs; their lists are called twice as far ahead
     static constexpr std::size_t fetched_grains = 6;    ///< with each vector of near pairs, of the next block
     static constexpr std::size_t fetched_far = 4;       ///< likewise, far pairs
@@ -111,9 +114,7 @@ namespace dem
       const LaneVector force = add(shear, -touch.normal.force, touch.unit);
       if (has_sums_) // not another function, in which the compiler would round in other places
         sums_.add(force, touch.branch, touch.normal, touch.distance, touch.is_touching);
-      give<is_far>(k, far, touch, force);
-      if constexpr (is_rotation_free)
-        give_torques<is_far>(k, far, touch, shear);
+      give<is_far>(k, far, touch, force, shear);
     }
 
     /**
@@ -137,11 +138,7 @@ namespace dem
             fetch(&get_row(spin_, b));
         }
       if constexpr (is_far)
-        {
-          fetch_to_write(forces_.far_force.data() + far, n_lanes);
-          if constexpr (is_rotation_free)
-            fetch_to_write(forces_.far_torque.data() + far, n_lanes);
-        }
+        fetch_to_write(results_of_far_ + far, n_lanes);
     }
 
     /** Calls grains of the next block. */
@@ -193,11 +190,7 @@ namespace dem
         for (double *const known : {&forces_.normal_force[k], &forces_.overlap[k]})
           store_lanes(known, 0.);
       if constexpr (is_far)
-        {
-          std::fill_n(&forces_.far_force[far], n_lanes, Row{});
-          if constexpr (is_rotation_free)
-            std::fill_n(&forces_.far_torque[far], n_lanes, Row{});
-        }
+        std::fill_n(results_of_far_ + far, n_lanes, Result{});
     }
 
     [[gnu::always_inline]] void load_velocities(const std::size_t k, Relative &relative) const
@@ -270,47 +263,48 @@ namespace dem
       shear = add_cross(shear, {twist * touch.unit.x, twist * touch.unit.y, twist * touch.unit.z}, shear);
     }
 
-    /** Gives the grains of pairs their forces, pair by pair. */
+    /** Gives the grains of pairs their forces, and torques where they can turn, pair by pair. */
     template <bool is_far>
     [[gnu::always_inline]] void give(const std::size_t k, const std::size_t far, const Touch &touch,
-                                     const LaneVector &force) const
+                                     const LaneVector &force, const LaneVector &shear) const
     {
-      constexpr std::int64_t sign = std::numeric_limits<std::int64_t>::min();
-      constexpr RowMask opposite{sign, sign, sign, 0}; // b's stiffness adds up as a's does
       const RowOffset *const a = &network_.row_a[k], *const b = &network_.row_b[k];
-      Row *const forces = rows_.force, *const far_forces = forces_.far_force.data() + far;
-      give_rows({force.x, force.y, force.z, touch.normal.stiffness}, [=](const int j, const RowLanes row) {
-        add_row(get_row(forces, a[j]), row);
-        const RowLanes on_b = reinterpret_cast<RowLanes>(reinterpret_cast<RowMask>(row) ^ opposite);
-        if constexpr (is_far)
-          store_row(far_forces[j], on_b);
-        else
-          add_row(get_row(forces, b[j]), on_b);
-      });
-    }
-
-    template <bool is_far>
-    [[gnu::always_inline]] void give_torques(const std::size_t k, const std::size_t far, const Touch &touch,
-                                             const LaneVector &shear) const
-    {
-      const LaneVector moment = cross(touch.unit, shear); // over the lever arm
-      alignas(64) double arm_a[n_lanes], arm_b[n_lanes];
-      store_lanes(arm_a, touch.mean_arm - touch.more_arm);
-      store_lanes(arm_b, touch.mean_arm + touch.more_arm);
-      const RowOffset *const a = &network_.row_a[k], *const b = &network_.row_b[k];
-      Row *const torques = rows_.torque, *const far_torques = forces_.far_torque.data() + far;
-      const Lanes stiffness = touch.mean_arm * touch.normal.stiffness;
-      give_rows({moment.x, moment.y, moment.z, stiffness}, [&](const int j, const RowLanes row) {
-        Row &of_a = get_row(torques, a[j]);
-        store_row(of_a, arm_a[j] * row + load_row(of_a));
-        if constexpr (is_far)
-          store_row(far_torques[j], arm_b[j] * row);
-        else
-          {
-            Row &of_b = get_row(torques, b[j]);
-            store_row(of_b, arm_b[j] * row + load_row(of_b));
-          }
-      });
+      Result *const results = results_, *const far_results = results_of_far_ + far;
+      const RowsOfLanes forces{force.x, force.y, force.z, touch.normal.stiffness};
+      if constexpr (is_rotation_free)
+        {
+          const LaneVector moment = cross(touch.unit, shear); // over the lever arm
+          alignas(64) double arm_a[n_lanes], arm_b[n_lanes];
+          store_lanes(arm_a, touch.mean_arm - touch.more_arm);
+          store_lanes(arm_b, touch.mean_arm + touch.more_arm);
+          const RowsOfLanes torques{moment.x, moment.y, moment.z, touch.mean_arm * touch.normal.stiffness};
+          const RowLanes same{1., 1., 1., 1.}, opposite{-1., -1., -1., 1.}; // b's stiffness adds up as a's does
+          give_actions(forces, torques, [&](const int j, const ActionLanes action) {
+            Result &of_a = get_row(results, a[j]);
+            store_row(of_a, join(same, arm_a[j]) * action + load_row(of_a));
+            const ActionLanes share = join(opposite, arm_b[j]);
+            if constexpr (is_far)
+              store_row(far_results[j], share * action);
+            else
+              {
+                Result &of_b = get_row(results, b[j]);
+                store_row(of_b, share * action + load_row(of_b));
+              }
+          });
+        }
+      else
+        {
+          constexpr std::int64_t sign = std::numeric_limits<std::int64_t>::min();
+          constexpr RowMask opposite{sign, sign, sign, 0};
+          give_rows(forces, [=](const int j, const RowLanes row) {
+            add_row(get_row(results, a[j]), row);
+            const RowLanes on_b = reinterpret_cast<RowLanes>(reinterpret_cast<RowMask>(row) ^ opposite);
+            if constexpr (is_far)
+              store_row(far_results[j], on_b);
+            else
+              add_row(get_row(results, b[j]), on_b);
+          });
+        }
     }
 
     const ContactLaw law_;
@@ -321,7 +315,7 @@ namespace dem
     const bool is_upright_ = edges_.isDiagonal(0.) && strain_.isDiagonal(0.);
     ContactNetwork &network_;
     Forces &forces_;
-    const ForceRows rows_;
+    Result *const results_, *const results_of_far_; // on grains; of far pairs
     LaneSums<Lanes> sums_;
   };
 } // namespace dem

@@ -158,12 +158,11 @@ namespace dem
 
   void SingleDynamics::write_forces(Forces &forces) const
   {
-    forces.force.resize(force_.size());
-    forces.torque.resize(force_.size());
+    forces.on_grains.resize(force_.size(), true);
     for (std::size_t i = 0; i < force_.size(); ++i)
       {
-        forces.force[i] = to_double(force_[i].linear);
-        forces.torque[i] = to_double(force_[i].angular);
+        forces.on_grains.force(i) = to_double(force_[i].linear);
+        forces.on_grains.torque(i) = to_double(force_[i].angular);
       }
   }
 

@@ -72,12 +72,12 @@ namespace dem
     {
       const double stiffness = touch.response.stiffness;
       const Vector force = pair.shear_force - touch.response.force * touch.normal;
-      add_to_row(forces.force[pair.grain], force, stiffness);
+      add_to_row(forces.on_grains.force(pair.grain), force, stiffness);
       add_to_sums(touch, force, sums);
       if (motion.is_rotation_free)
         {
           const double turning_stiffness = stiffness * touch.distance * touch.distance;
-          add_to_row(forces.torque[pair.grain], touch.distance * touch.normal.cross(pair.shear_force),
+          add_to_row(forces.on_grains.torque(pair.grain), touch.distance * touch.normal.cross(pair.shear_force),
                      turning_stiffness);
           sums.turning_stiffness += turning_stiffness;
         }

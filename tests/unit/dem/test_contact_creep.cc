@@ -71,7 +71,7 @@ namespace
   }
 
   /** All forces of a state by the hot loop, nothing having moved. */
-  LongArray<Row> compute_forces(const RevState &state)
+  std::vector<Row> compute_forces(const RevState &state)
   {
     ContactNetwork network = build_contact_network(state, 0.1 * radius);
     Forces forces;
@@ -80,7 +80,10 @@ namespace
     ContactSums sums = compute_contact_forces(state, law, still, network, forces);
     if (state.cell.has_walls())
       add_wall_forces({state, law, still}, network, forces, sums);
-    return forces.force;
+    std::vector<Row> on_grains;
+    for (std::size_t i = 0; i < state.grains.size(); ++i)
+      on_grains.push_back(forces.on_grains.force(i));
+    return on_grains;
   }
 
   /** The same by the reference law, contact by contact. */

@@ -60,7 +60,7 @@ namespace
 
   Vector force_on(const Result &result, const std::size_t grain)
   {
-    return to_vector(result.forces.force[grain]);
+    return to_vector(result.forces.on_grains.force(grain));
   }
 
   /** N and kn of each pair by the fast loop against the reference law at the same overlap. */
@@ -79,7 +79,7 @@ namespace
         // The overlap is a small difference of lengths: one unit of their last place, times the law's exponent.
         const double tolerance = 1e-12 + 3. * 2.3e-16 * (a.w + b.w) / overlap;
         EXPECT_NEAR(force_on(result, 2 * k).norm() / expected.force, 1., tolerance) << overlap;
-        EXPECT_NEAR(result.forces.force[2 * k].w / expected.stiffness, 1., tolerance) << overlap;
+        EXPECT_NEAR(result.forces.on_grains.force(2 * k).w / expected.stiffness, 1., tolerance) << overlap;
         EXPECT_LT(force_on(result, 2 * k).dot(branch), 0.); // pushed apart
       }
   }
@@ -135,8 +135,8 @@ namespace
             const Result result = compute(state, law);
             n_touching += result.sums.n_touching;
             ASSERT_LE(force_on(result, 0).norm(), most.force);
-            ASSERT_GE(result.forces.force[0].w, 0.);
-            ASSERT_LE(result.forces.force[0].w, most.stiffness);
+            ASSERT_GE(result.forces.on_grains.force(0).w, 0.);
+            ASSERT_LE(result.forces.on_grains.force(0).w, most.stiffness);
           }
         EXPECT_GT(n_touching, 300u); // of tangent pairs, by their last bit
       }
@@ -154,7 +154,7 @@ namespace
     const auto push = [&](const int step, std::vector<double> &to) {
       state.grains.place[1].x = start - 4e-5 * step;
       compute_contact_forces(state, law, Motion{}, network, forces);
-      to.push_back(to_vector(forces.force[0]).norm());
+      to.push_back(to_vector(forces.on_grains.force(0)).norm());
     };
     for (int step = 1; step <= 300; ++step)
       push(step, up);
@@ -204,7 +204,7 @@ namespace
     // Law: forces on all grains of a packing under load sum to nothing. Tolerance: rounding.
     const Result result = compute(get_loaded_state(), make_contact_law(GrainMaterial{}));
     Vector sum = Vector::Zero();
-    for (std::size_t i = 0; i < result.forces.force.size(); ++i)
+    for (std::size_t i = 0; i < result.forces.on_grains.size(); ++i)
       sum += force_on(result, i);
     EXPECT_LT(sum.norm(), 1e-13 * result.sums.normal_force);
   }

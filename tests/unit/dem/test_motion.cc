@@ -15,15 +15,25 @@ namespace
   Forces make_forces(const std::size_t n, const Row &force)
   {
     Forces forces;
-    forces.force.assign(n, force);
-    forces.torque.assign(n, force);
+    forces.on_grains.resize(n, true);
+    for (std::size_t i = 0; i < n; ++i)
+      forces.on_grains.force(i) = forces.on_grains.torque(i) = force;
     return forces;
   }
 
   /** All grains by one step. */
-  double advance(RevState &state, Forces forces, const Kinetics &kinetics, const MotionRule &rule)
+  double advance(RevState &state, const Forces &forces, const Kinetics &kinetics, const MotionRule &rule)
   {
-    return advance_grains(state.grains, 0, state.grains.size(), {state.cell, forces.get_rows(), kinetics, rule});
+    const std::size_t n = state.grains.size();
+    ForceTable table;
+    table.resize(n, rule.is_rotation_free);
+    for (std::size_t i = 0; i < n; ++i)
+      {
+        table.force(i) = forces.on_grains.force(i);
+        if (rule.is_rotation_free)
+          table.torque(i) = forces.on_grains.torque(i);
+      }
+    return advance_grains(state.grains, 0, n, {state.cell, table.get_rows(), kinetics, rule});
   }
 
   TEST(Motion, DampingTakesFromWhatDrivesAndAddsToWhatBrakes)
@@ -75,14 +85,14 @@ namespace
     rule.has_true_masses = true;
     rule.time_step_share = 0.3;
     Forces forces = make_forces(2, {0., 0., 0., 1e6});
-    forces.torque[0].w = 1e3 * radius * radius * 1e6;
+    forces.on_grains.torque(0).w = 1e3 * radius * radius * 1e6;
     Kinetics kinetics;
     update_kinetics(kinetics, rule, state.grains, forces, {});
     const double expected = 0.3 * std::sqrt(2. * mass / 8. / 1e6);
     EXPECT_NEAR(kinetics.time_step, expected, 1e-14 * expected);
 
     rule.is_rotation_free = true;
-    forces.torque[1].w = 0.;
+    forces.on_grains.torque(1).w = 0.;
     update_kinetics(kinetics, rule, state.grains, forces, {});
     const double turning = 0.3 * std::sqrt(2. * 0.4 * mass / 1e9);
     ASSERT_LT(turning, expected);
@@ -110,7 +120,7 @@ namespace
     // contact at all gives a mass of 1. Tolerance: rounding.
     RevState state = make_state({Vector::Zero(), Vector::Zero()}, 1.);
     Forces forces = make_forces(2, {1., 0., 0., 3e6});
-    forces.force[1].w = forces.torque[1].w = 0.;
+    forces.on_grains.force(1).w = forces.on_grains.torque(1).w = 0.;
     ContactSums sums;
     sums.stiffness = sums.turning_stiffness = 3e6;
     MotionRule rule;

@@ -241,7 +241,7 @@ namespace
   /** What the hot loop gives the grains, kept or passed on block by block. */
   struct Given
   {
-    LongArray<Row> force, torque;
+    std::vector<Row> force, torque;
     ContactSums sums;
   };
 
@@ -249,24 +249,23 @@ namespace
   {
     const std::size_t n_grains_of_case = step.state.grains.size();
     Forces forces;
-    Given given{LongArray<Row>(n_grains_of_case), LongArray<Row>(n_grains_of_case), {}};
-    const auto take = [&](const std::size_t k, const ForceRows &rows) {
-      for (std::size_t i = network.blocks[k].grain_begin; i < network.blocks[k].grain_end; ++i)
+    Given given{std::vector<Row>(n_grains_of_case), std::vector<Row>(n_grains_of_case), {}};
+    const auto take_some = [&](const std::size_t begin, const std::size_t end, const ForceRows &rows) {
+      for (std::size_t i = begin; i < end; ++i)
         {
-          given.force[i] = rows.force[i];
+          given.force[i] = rows.force(i);
           if (step.motion.is_rotation_free)
-            given.torque[i] = rows.torque[i];
+            given.torque[i] = rows.torque(i);
         }
+    };
+    const auto take = [&](const std::size_t k, const ForceRows &rows) {
+      take_some(network.blocks[k].grain_begin, network.blocks[k].grain_end, rows);
     };
     Team team(n_threads);
     given.sums =
         compute_contact_forces(step.get_task(), network, forces, team, is_passed ? BlockHook(take) : BlockHook());
     if (!is_passed)
-      {
-        given.force = forces.force;
-        if (step.motion.is_rotation_free)
-          given.torque = forces.torque;
-      }
+      take_some(0, n_grains_of_case, forces.on_grains.get_rows());
     return given;
   }
 

@@ -81,7 +81,7 @@ namespace
     const Vector expected = kt * 0.5 * Vector(0., 1e-9, -1e-9);
     EXPECT_LT((test.shear() - expected).norm(), 1e-11 * expected.norm());
     EXPECT_EQ(test.network.status[0], PairStatus::sticks);
-    const Vector force = to_vector(test.forces.force[0]);
+    const Vector force = to_vector(test.forces.on_grains.force(0));
     EXPECT_LT((force - (expected - test.normal().force * Vector::UnitX())).norm(), 1e-11 * force.norm());
   }
 
@@ -253,10 +253,11 @@ namespace
     test.compute();
     ASSERT_GT(test.shear().norm(), 0.);
     const Vector branch = compute_branch(test.state.cell, test.state.grains.place[0], test.state.grains.place[1]);
-    const Vector moment = to_vector(test.forces.torque[0]) + to_vector(test.forces.torque[1]) +
-                          branch.cross(to_vector(test.forces.force[1]));
+    const Vector moment = to_vector(test.forces.on_grains.torque(0)) + to_vector(test.forces.on_grains.torque(1)) +
+                          branch.cross(to_vector(test.forces.on_grains.force(1)));
     EXPECT_LT(moment.norm(), 1e-13 * branch.norm() * test.shear().norm());
     const double arm = radius - 0.5 * (2.2 * radius - branch.norm());
-    EXPECT_NEAR(to_vector(test.forces.torque[0]).norm(), arm * test.shear().norm(), 1e-12 * arm * test.shear().norm());
+    EXPECT_NEAR(to_vector(test.forces.on_grains.torque(0)).norm(), arm * test.shear().norm(),
+                1e-12 * arm * test.shear().norm());
   }
 } // namespace

@@ -20,13 +20,13 @@ namespace
   struct Moving
   {
     RevState state;
-    std::vector<Row> force, torque;
+    ForceTable forces;
     std::vector<TwinRow> rows;
 
     Moving(const std::size_t n, const bool is_upright)
-        : state(make_state(std::vector<Vector>(n, Vector::Constant(radius)), 40. * radius)), force(n), torque(n),
-          rows(n)
+        : state(make_state(std::vector<Vector>(n, Vector::Constant(radius)), 40. * radius)), rows(n)
     {
+      forces.resize(n, true);
       std::mt19937_64 random(11);
       std::uniform_real_distribution<double> share(-1., 1.);
       const auto draw = [&](const double scale) {
@@ -38,9 +38,9 @@ namespace
           state.grains.place[i].w = static_cast<float>(radius * (1. + 0.5 * share(random)));
           state.grains.velocity[i] = {draw(1e-6), draw(1e-6), draw(1e-6), 0.};
           state.grains.spin[i] = {draw(1e-2), draw(1e-2), draw(1e-2), 0.};
-          force[i] = {draw(1.), draw(1.), draw(1.), std::abs(draw(1e6)) + 1e4};
-          torque[i] = {draw(1e-4), draw(1e-4), draw(1e-4), std::abs(draw(1e-2)) + 1e-4};
-          rows[i] = {to_single(force[i]), to_single(torque[i])};
+          forces.force(i) = {draw(1.), draw(1.), draw(1.), std::abs(draw(1e6)) + 1e4};
+          forces.torque(i) = {draw(1e-4), draw(1e-4), draw(1e-4), std::abs(draw(1e-2)) + 1e-4};
+          rows[i] = {to_single(forces.force(i)), to_single(forces.torque(i))};
         }
       update_true_masses(state.grains, 2650.);
       if (!is_upright)
@@ -69,8 +69,8 @@ namespace
     SingleGrains single;
     single.load(moving.state.grains);
     const double reach = advance_singles(single, 0, n, {moving.state.cell, moving.rows.data(), kinetics, rule});
-    const double expected = advance_grains(
-        moving.state.grains, 0, n, {moving.state.cell, {moving.force.data(), moving.torque.data()}, kinetics, rule});
+    const double expected =
+        advance_grains(moving.state.grains, 0, n, {moving.state.cell, moving.forces.get_rows(), kinetics, rule});
     // Some ten roundings: the mass, its inverse (two), the time step, damping (two), their products, the sum.
     EXPECT_NEAR(reach, expected, 10. * unit * expected);
     for (std::size_t i = 0; i < n; ++i)

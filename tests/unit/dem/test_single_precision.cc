@@ -88,10 +88,10 @@ namespace
                              : overlap > law.dT1 ? overlap - law.d1
                                                  : overlap;
         const double tolerance = (20. + 6. * overlap / depth) * unit;
-        EXPECT_NEAR(to_vector(forces.force[2 * k]).norm() / expected.force, 1., tolerance) << overlap;
-        EXPECT_NEAR(forces.force[2 * k].w / expected.stiffness, 1., tolerance) << overlap;
-        EXPECT_LT(to_vector(forces.force[2 * k]).dot(branch), 0.); // pushed apart
-        EXPECT_EQ(forces.force[2 * k + 1].x, -forces.force[2 * k].x);
+        EXPECT_NEAR(to_vector(forces.on_grains.force(2 * k)).norm() / expected.force, 1., tolerance) << overlap;
+        EXPECT_NEAR(forces.on_grains.force(2 * k).w / expected.stiffness, 1., tolerance) << overlap;
+        EXPECT_LT(to_vector(forces.on_grains.force(2 * k)).dot(branch), 0.); // pushed apart
+        EXPECT_EQ(forces.on_grains.force(2 * k + 1).x, -forces.on_grains.force(2 * k).x);
       }
   }
 
@@ -160,10 +160,12 @@ namespace
     single.write_forces(forces);
     ContactNetwork fresh = build_contact_network(state, 0.1 * radius);
     compute_contact_forces(task, fresh, expected, alone);
-    for (std::size_t i = 0; i < forces.force.size(); ++i)
+    for (std::size_t i = 0; i < forces.on_grains.size(); ++i)
       {
-        const double scale = to_vector(expected.force[i]).norm();
-        EXPECT_LT((to_vector(forces.force[i]) - to_vector(expected.force[i])).norm(), 40. * unit * scale) << i;
+        const double scale = to_vector(expected.on_grains.force(i)).norm();
+        EXPECT_LT((to_vector(forces.on_grains.force(i)) - to_vector(expected.on_grains.force(i))).norm(),
+                  40. * unit * scale)
+            << i;
       }
   }
 

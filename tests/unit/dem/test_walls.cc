@@ -60,10 +60,10 @@ namespace
         Motion motion;
         motion.has_contact_stress = true;
         const Pushed pushed(make_box({place}, edge), material, motion);
-        EXPECT_LT((to_vector(pushed.forces.force[0]) - expected * inwards).norm(), 1e-11 * expected);
-        EXPECT_NEAR(pushed.forces.force[0].w, 1.5 * expected / d, 1e-11 * expected / d);
+        EXPECT_LT((to_vector(pushed.forces.on_grains.force(0)) - expected * inwards).norm(), 1e-11 * expected);
+        EXPECT_NEAR(pushed.forces.on_grains.force(0).w, 1.5 * expected / d, 1e-11 * expected / d);
         EXPECT_EQ(pushed.sums.n_touching, 1u);
-        EXPECT_EQ(pushed.sums.stiffness, pushed.forces.force[0].w);
+        EXPECT_EQ(pushed.sums.stiffness, pushed.forces.on_grains.force(0).w);
         const double stress = expected / (std::numbers::pi * radius * d);
         EXPECT_NEAR(pushed.forces.largest_stress[0], stress, 1e-11 * stress);
         ASSERT_EQ(pushed.state.contacts.size(), 1u);
@@ -113,7 +113,7 @@ namespace
           const NormalResponse normal = compute_normal_response(law, d, radius);
           const double grown = law.shear_ratio * normal.stiffness * u, cap = friction * normal.force;
           const double expected = std::min(grown, cap);
-          EXPECT_NEAR(pushed.forces.force[0].x, -expected, 1e-11 * normal.force);
+          EXPECT_NEAR(pushed.forces.on_grains.force(0).x, -expected, 1e-11 * normal.force);
           EXPECT_EQ(pushed.state.contacts[0].is_sliding, grown > cap);
         }
   }
@@ -131,7 +131,7 @@ namespace
     const Pushed pushed(state, material, motion);
     const Vector shear = pushed.state.contacts[0].shear_force;
     EXPECT_GT(shear.x(), 0.); // the foot moves towards -x where the grain turns about +y
-    const Vector torque = to_vector(pushed.forces.torque[0]);
+    const Vector torque = to_vector(pushed.forces.on_grains.torque(0));
     const Vector expected = (radius - d) * (-Vector::UnitZ()).cross(shear);
     EXPECT_LT((torque - expected).norm(), 1e-12 * expected.norm());
     EXPECT_LT(torque.y(), 0.); // against the spin
