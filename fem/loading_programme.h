@@ -70,8 +70,8 @@ namespace fem
     unsigned int n_event_cuts = 0; ///< the batch is 2^-n of the largest
     unsigned int n_cuts = 0;       ///< since the increment began
     unsigned int n_idle_steps = 0;
-    unsigned int n_successes = 0;     ///< since the last cut
-    std::vector<double> stage_values; ///< of the conditions at the stage's start
+    unsigned int n_successes = 0;          ///< since the last cut
+    std::vector<double> stage_values = {}; ///< of the conditions at the stage's start
   };
 
   /** The part of a programme that a committed step has covered. */
