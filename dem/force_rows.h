@@ -1,6 +1,7 @@
 #pragma once
 
 #include "dem/large_pages.h"
+#include "dem/memory.h"
 #include "dem/vector.h"
 
 #include <cstdint>
@@ -9,7 +10,7 @@
 namespace dem
 {
   /** What acts on a grain that may turn, in one line of the cache. */
-  struct alignas(64) Action
+  struct alignas(cache_line) Action
   {
     Row force, torque;
   };
@@ -54,7 +55,6 @@ namespace dem
     }
 
     std::size_t size() const { return rows_.size() / n_rows_; }
-    bool has_torques() const { return n_rows_ == 2; }
 
     ForceRows get_rows() { return {rows_.data(), n_rows_}; }
 
@@ -65,11 +65,11 @@ namespace dem
     }
 
     Row &force(const std::size_t i) { return rows_[n_rows_ * i]; }
-    Row &torque(const std::size_t i) { return rows_[n_rows_ * i + 1]; } ///< @pre has_torques()
+    Row &torque(const std::size_t i) { return rows_[n_rows_ * i + 1]; } ///< @pre resized with torques
     const Row &force(const std::size_t i) const { return rows_[n_rows_ * i]; }
     const Row &torque(const std::size_t i) const { return rows_[n_rows_ * i + 1]; }
 
-    std::size_t count_bytes() const { return rows_.capacity() * sizeof(Row); } ///< memory that it holds
+    std::size_t count_bytes() const { return dem::count_bytes(rows_); } ///< memory that it holds
 
   private:
     LongArray<Row> rows_;

@@ -295,7 +295,7 @@ namespace dem
       else
         {
           constexpr std::int64_t sign = std::numeric_limits<std::int64_t>::min();
-          constexpr RowMask opposite{sign, sign, sign, 0};
+          constexpr RowMask opposite{sign, sign, sign, 0}; // likewise
           give_rows(forces, [=](const int j, const RowLanes row) {
             add_row(get_row(results, a[j]), row);
             const RowLanes on_b = reinterpret_cast<RowLanes>(reinterpret_cast<RowMask>(row) ^ opposite);
