@@ -159,6 +159,7 @@ int main(int argc, char **argv)
   run_command.add_option("PACKING", from)->required()->check(CLI::ExistingFile);
   run_command.add_option("--steps", protocol.n_steps);
   run_command.add_option("--threads", protocol.n_threads);
+  run_command.add_option("--warm-up", protocol.warm_up, "[s] of the same work before the time is taken");
   run_command.add_flag("--single", protocol.is_single, "single precision");
   run_command.add_flag("--rough", protocol.is_rough, "three-stage contacts");
   run_command.add_flag("--blocked", is_blocked, "grains cannot turn");

@@ -45,7 +45,7 @@ namespace benchmarks
     dynamics.compute_forces();
     const double share = rule.motion.time_step_share * protocol.time_step / dynamics.get_time_step();
     rule.motion.time_step_share = std::min(share, 0.6); // a bound: crushed packings need a smaller step than fresh ones
-    rule.skin_share = 0.1; // each code has the skin that suits it
+    rule.skin_share = 0.1;                              // each code has the skin that suits it
     rule.n_threads = protocol.n_threads;
     return rule;
   }
@@ -57,6 +57,25 @@ namespace benchmarks
     return increment;
   }
 
+  /** The protocol untimed, on copies, for a while: a core that was idle comes to its full speed after some tenths of a
+   * second only, where a virtual machine's host has to find it a place (docs/performance.md). */
+  void warm_up(const dem::RevState &state, const dem::ContactLaw &law, const dem::DynamicsRule &rule,
+               const Protocol &protocol)
+  {
+    const auto now = std::chrono::steady_clock::now;
+    const auto end = now() + std::chrono::duration<double>(protocol.warm_up);
+    while (now() < end)
+      {
+        dem::RevState copy = state;
+        dem::Dynamics dynamics(copy, law, rule);
+        for (std::size_t step = 0; step < protocol.n_steps && now() < end; ++step)
+          {
+            dynamics.compute_forces_and_move(false);
+            dynamics.strain(compute_strain_increment(protocol, dynamics.get_time_step()));
+          }
+      }
+  }
+
   Timing run_protocol(dem::RevState state, const Protocol &protocol)
   {
     const dem::ContactLaw law = dem::make_contact_law(make_material(protocol.is_rough));
@@ -66,6 +85,7 @@ namespace benchmarks
     Timing timing;
     timing.n_grains = state.grains.size();
     timing.n_contacts = count_contacts(state, law, rule);
+    warm_up(state, law, rule, protocol);
     dem::Dynamics dynamics(state, law, rule);
     dynamics.compute_forces();
     timing.stress_before = compute_pressure(dynamics);

@@ -10,6 +10,7 @@ namespace benchmarks
     double time_step = 1.2e-8; ///< [s]
     double strain_rate = 20.;  ///< of compression along z [1/s]
     std::size_t n_steps = 1000;
+    double warm_up = 1.; ///< of the same work on copies, before the time is taken [s]
     unsigned int n_threads = 1;
     bool is_single = false;       ///< single precision
     bool is_rough = false;        ///< three-stage contacts of the default material; false: plain Hertz-Mindlin
