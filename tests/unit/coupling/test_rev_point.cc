@@ -35,12 +35,13 @@ namespace
   }
 
   void expect_turned(const fem::PointResponse &turned, const fem::PointResponse &plain, const dem::Matrix &q,
-                     const double tolerance)
+                     const double tangent_tolerance)
   {
     const auto stress = coupling::to_symmetric_tensor(q * coupling::to_matrix(plain.stress) * q.transpose());
-    EXPECT_LT((turned.stress - stress).norm(), tolerance * stress.norm());
+    // What is left in the stress is the rounding of some products of rotations.
+    EXPECT_LT((turned.stress - stress).norm(), 1e-13 * stress.norm());
     const auto tangent = coupling::rotate(plain.tangent, q);
-    EXPECT_LT((turned.tangent - tangent).norm(), tolerance * tangent.norm());
+    EXPECT_LT((turned.tangent - tangent).norm(), tangent_tolerance * tangent.norm());
   }
 
   class Objectivity : public testing::TestWithParam<bool>
@@ -76,8 +77,9 @@ TEST_P(Objectivity, HistoryTurnsAsAWhole)
       dem::Rev turned = rev_sample::make_rev(rev_sample::make_model(GetParam()));
       evaluate(turned, q * make_stretch());
       turned.accept();
-      // Two increments of last bits that differ: contacts make up to 5e-11 of that. A wrong rotation is worth 1e-2.
-      expect_turned(evaluate(turned, q * second * q.transpose()), plain, q, 1e-8);
+      // Increments that differ in their last bits: the stress does no more, but where grains turn freely the matrix of
+      // the contacts is badly conditioned and makes up to 5e-11 of that in the tangent. A wrong rotation is worth 1e-2.
+      expect_turned(evaluate(turned, q * second * q.transpose()), plain, q, 1e-9);
     }
 }
 
