@@ -15,14 +15,14 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 import small_case  # noqa: E402
 
-# What slips multiplies rounding until Newton's corrections part; the two equilibria then differ by some four times Newton's
-# tolerance, whatever it is (from 1e-3 to 1e-6), so that it has to be small.
-TIGHT_EQUILIBRIUM = ["Newton/Tolerance=1e-6", "Newton/Most evaluations=500", "Newton/Secant pairs=50"]
+# What slips multiplies rounding until Newton's corrections part; the two equilibria then differ by one to four times Newton's
+# tolerance (from 1e-3 to 1e-5, with either BLAS of Debian), so that it has to be small. At 1e-6 some steps do not converge.
+TIGHT_EQUILIBRIUM = ["Newton/Tolerance=1e-5", "Newton/Most evaluations=300"]
 # A plane of axisymmetry; space, where the iterative solver loses its precision on stiff piles; with a layer that slips.
 CASES = {"bvp_pile_elastic": [], "bvp_pile_3d": [], "bvp_pile_friction": ["Load tests/Ages=0", *TIGHT_EQUILIBRIUM]}
 RESCUED = {"bvp_pile_3d"}
 # Without slip both runs take the same way to within the linear solvers' 1e-10.
-TOLERANCES = {"bvp_pile_elastic": 1e-7, "bvp_pile_3d": 1e-7, "bvp_pile_friction": 2e-5}
+TOLERANCES = {"bvp_pile_elastic": 1e-7, "bvp_pile_3d": 1e-7, "bvp_pile_friction": 1e-4}
 
 
 def run(options, name, n_ranks, is_distributed, output):
