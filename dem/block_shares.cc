@@ -42,10 +42,14 @@ namespace dem
       {
         const std::size_t begin = find_share(network_, number, is_ahead_.size());
         const std::size_t end = find_share(network_, number + 1, is_ahead_.size());
-        const auto leaves = [&](const std::size_t k) { return blocks_[k].last_target >= end; };
-        const auto is_own = [&](const std::size_t k) { return blocks_[k].first_source >= begin; };
+        const auto is_ahead_of_turn = [&](const std::size_t k) {
+          return blocks_[k].first_target < k || blocks_[k].last_target >= end;
+        };
+        const auto is_own = [&](const std::size_t k) {
+          return blocks_[k].first_source >= begin && blocks_[k].last_source < end;
+        };
         for (std::size_t k = begin; k < end; ++k)
-          if (leaves(k))
+          if (is_ahead_of_turn(k))
             work_.compute_far(k);
         is_ahead_[number].store(true, std::memory_order_release);
 
@@ -54,27 +58,27 @@ namespace dem
             if (!is_own(k))
               work_.complete(k);
         };
-        bool is_met = number == 0;
+        bool is_met = is_ahead_.size() == 1;
         for (std::size_t k = begin; k < end; ++k)
           {
-            if (!is_met && are_ahead(number))
+            if (!is_met && are_ahead())
               {
                 is_met = true;
                 complete_until(k);
               }
-            work_.compute(k, number, leaves(k), is_met || is_own(k));
+            work_.compute(k, number, is_ahead_of_turn(k), is_met || is_own(k));
           }
         if (is_met)
           return;
-        wait_until([&] { return are_ahead(number); });
+        wait_until([&] { return are_ahead(); });
         complete_until(end);
       }
 
     private:
-      /** Whether all threads before this one have computed what reaches into its blocks. */
-      bool are_ahead(const std::size_t number) const
+      /** Whether all threads have computed what reaches into blocks of others. */
+      bool are_ahead() const
       {
-        return std::all_of(is_ahead_.begin(), is_ahead_.begin() + static_cast<std::ptrdiff_t>(number),
+        return std::all_of(is_ahead_.begin(), is_ahead_.end(),
                            [](const std::atomic<bool> &is_ahead) { return is_ahead.load(std::memory_order_acquire); });
       }
 

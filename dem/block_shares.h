@@ -25,8 +25,9 @@ namespace dem
 
   /**
    * Each thread takes one run of blocks, with pairs that take all about the same time, and finishes them itself, since
-   * they lie in its cache. Pairs reach forwards only, so threads first compute what reaches into blocks of other
-   * threads, and seldom wait for each other. Results need not depend on how many threads there are.
+   * they lie in its cache. Threads first compute what reaches into blocks of other threads, or back into blocks that
+   * come before in their own share, and seldom wait for each other. Results need not depend on how many threads there
+   * are.
    */
   void share_blocks(const ContactNetwork &network, Team &team, const BlockWork &work);
 } // namespace dem

@@ -26,7 +26,7 @@ namespace dem
 
   /**
    * Some grains next to each other in storage, and the pairs whose first grain is one of them: far pairs, the second
-   * grain in a later block, then near pairs. A block is the unit of work that threads share; blocks depend on the
+   * grain in another block, then near pairs. A block is the unit of work that threads share; blocks depend on the
    * number of grains alone, so that sums do not depend on the number of threads.
    */
   struct GrainBlock
@@ -35,8 +35,8 @@ namespace dem
     std::size_t far_begin, near_begin, near_end; ///< places of pairs, multiples of the number of lanes
     std::size_t first_far;                       ///< place of its first far pair among all far pairs
     std::size_t incoming_begin, incoming_end;    ///< far pairs of other blocks whose second grain is here
-    std::size_t first_source; ///< lowest block with such a pair, or the block itself; none of them is higher
-    std::size_t last_target;  ///< highest block that its own far pairs reach into, or the block itself
+    std::size_t first_source, last_source;       ///< lowest and highest block with such a pair, or the block itself
+    std::size_t first_target, last_target;       ///< of the blocks that its own far pairs reach into, likewise
   };
 
   /** A grain and a wall that may touch. */
@@ -49,9 +49,11 @@ namespace dem
   };
 
   /**
-   * The pairs that may touch, grain a before grain b, and what touching pairs remember. Valid until a grain has used up
-   * its skin (Skins). Built from a state alone, by a fixed rule: the order of pairs is the order in which forces are
-   * summed, and a restart must find the same.
+   * The pairs that may touch, each once, and what touching pairs remember. The first grain of a near pair is the one
+   * that comes first in storage; a far pair belongs to the block that comes first, or to the other one where that is
+   * less far to go round the end of storage. Valid until a grain has used up its skin (Skins). Built from a state
+   * alone, by a fixed rule: the order of pairs is the order in which forces are summed, and a restart must find the
+   * same.
    *
    * Each list is filled up to whole vectors of lanes with grains beside themselves, which touch nothing.
    */

@@ -27,6 +27,19 @@ namespace dem
         }
     }
 
+    /** Far pairs go round the end of storage where that is shorter in networks of no more blocks. In both halves of
+     * storage blocks then have as many of them. Larger networks lose more by it: a thread alone comes twice to blocks
+     * that reach back, and they have left its cache meanwhile. */
+    constexpr std::size_t most_blocks_in_a_ring = 16;
+
+    /** Grains from which on a far pair belongs to the block of its second grain. */
+    std::size_t find_end_of_reach(const ContactNetwork &network, const std::size_t k)
+    {
+      const std::size_t n_blocks = network.blocks.size(), next = k + n_blocks / 2 + 1;
+      return n_blocks <= most_blocks_in_a_ring && next < n_blocks ? network.blocks[next].grain_begin
+                                                                  : network.blocks.back().grain_end;
+    }
+
     /** Of the skins of two grains: what may part them and yet let them touch before the network is built anew. Of 0 to
      * 0.4 this gives the fewest vectors with a pair that touches (docs/performance.md). */
     constexpr double close_share = 0.07;
@@ -54,10 +67,10 @@ namespace dem
       network.set_shear(k, Vector::Zero(), PairStatus::is_apart);
     }
 
-    void set_pair(ContactNetwork &network, const std::size_t k, const NearPair &pair, const Row &place_a,
-                  const Row &place_b)
+    void set_pair(ContactNetwork &network, const std::size_t k, const std::uint32_t a, const std::uint32_t b,
+                  const Row &place_a, const Row &place_b)
     {
-      set_places(network, k, pair.a, pair.b);
+      set_places(network, k, a, b);
       network.radius_sum[k] = place_a.w + place_b.w;
       network.root_radius[k] = std::sqrt(compute_effective_radius(place_a.w, place_b.w));
     }
@@ -102,7 +115,10 @@ namespace dem
 
   std::size_t NetworkBuilder::count_bytes() const
   {
-    return search_.count_bytes() + dem::count_bytes(sorts_, place_of_pair_, layouts_, incoming_);
+    std::size_t n_bytes = search_.count_bytes() + dem::count_bytes(sorts_, place_of_pair_, layouts_, incoming_);
+    for (const Layout &layout : layouts_)
+      n_bytes += dem::count_bytes(layout.left);
+    return n_bytes;
   }
 
   void NetworkBuilder::build(const RevState &state, const std::span<const double> skins, Team &team,
@@ -149,6 +165,7 @@ namespace dem
     const NearPair *const pairs = pairs_->data();
     const Row *const place = state.grains.place.data(), *const with_skin = network.place_when_built.data();
     const Matrix edges = state.cell.edges;
+    const std::size_t end_of_reach = find_end_of_reach(network, k);
     for (std::size_t i = begin; i < end; ++i) // without branches, whose outcome nobody could foresee
       {
         const auto [a, b] = pairs[i];
@@ -156,14 +173,33 @@ namespace dem
         const double sum = place[a].w + place[b].w, skins = with_skin[a].w + with_skin[b].w - sum;
         const double close = sum + close_share * skins;
         const int sort = !(square < sum * sum) + !(square < close * close);
-        sorts_[i] = static_cast<Sort>(sort + (b < block.grain_end ? near_touching : far_touching));
+        const Sort touching = b < end_of_reach ? far_touching : left_touching;
+        sorts_[i] = static_cast<Sort>(sort + (b < block.grain_end ? near_touching : touching));
       }
+    layouts_[k].left.clear();
+    if (end_of_reach < state.grains.size())
+      for (std::size_t i = begin; i < end; ++i)
+        if (sorts_[i] >= left_touching)
+          layouts_[k].left.push_back(static_cast<std::uint32_t>(i));
     for (int sort = 0; sort < n_sorts; ++sort)
       layouts_[k].n[sort] = static_cast<std::size_t>(std::count(sorts_.data() + begin, sorts_.data() + end, sort));
   }
 
-  void NetworkBuilder::lay_out_blocks(ContactNetwork &network) const
+  /** Calls take_pair(i) for the pairs that earlier blocks have left to block k. */
+  template <typename Take>
+  void NetworkBuilder::for_each_taken(const ContactNetwork &network, const std::size_t k, const Take &take_pair) const
   {
+    const GrainBlock &block = network.blocks[k];
+    for (std::size_t from = 0; from < k; ++from)
+      for (const std::uint32_t i : layouts_[from].left)
+        if ((*pairs_)[i].b >= block.grain_begin && (*pairs_)[i].b < block.grain_end)
+          take_pair(i);
+  }
+
+  void NetworkBuilder::lay_out_blocks(ContactNetwork &network)
+  {
+    for (std::size_t k = 0; k < network.blocks.size(); ++k)
+      for_each_taken(network, k, [&](const std::size_t i) { ++layouts_[k].n[take(sorts_[i])]; });
     std::size_t n = 0;
     network.n_far = 0;
     for (std::size_t k = 0; k < network.blocks.size(); ++k)
@@ -188,18 +224,20 @@ namespace dem
     std::exclusive_scan(&layout.n[far_touching], &layout.n[near_touching], &next[far_touching], block.far_begin);
     std::exclusive_scan(&layout.n[near_touching], layout.n.data() + n_sorts, &next[near_touching], block.near_begin);
     const auto place = [&](const std::size_t i) {
-      const NearPair &pair = (*pairs_)[i];
-      const std::size_t to = next[sorts_[i]]++;
+      const bool is_taken = sorts_[i] >= left_touching;
+      const auto [a, b] = is_taken ? NearPair{(*pairs_)[i].b, (*pairs_)[i].a} : (*pairs_)[i];
+      const std::size_t to = next[is_taken ? take(sorts_[i]) : sorts_[i]]++;
       place_of_pair_[i] = static_cast<std::uint32_t>(to);
-      set_pair(network, to, pair, state.grains.place[pair.a], state.grains.place[pair.b]);
+      set_pair(network, to, a, b, state.grains.place[a], state.grains.place[b]);
     };
     std::vector<std::pair<std::uint32_t, std::uint32_t>> far; // second grain, pair
     far.reserve(layout.count(far_touching, far_apart));
     for (std::size_t i = first[block.grain_begin]; i < first[block.grain_end]; ++i)
       if (sorts_[i] <= far_apart)
         far.emplace_back((*pairs_)[i].b, static_cast<std::uint32_t>(i));
-      else
+      else if (sorts_[i] < n_sorts)
         place(i);
+    for_each_taken(network, k, [&](const std::uint32_t i) { far.emplace_back((*pairs_)[i].a, i); });
     // First grains lie in the cache with their block; second ones come from afar, and come faster in their own order.
     std::sort(far.begin(), far.end());
     for (const auto &[b, i] : far)
@@ -262,13 +300,15 @@ namespace dem
     std::vector<GrainBlock> &blocks = network.blocks;
     const auto is_after = [](const std::size_t far, const GrainBlock &block) { return far < block.first_far; };
     for (std::size_t k = 0; k < blocks.size(); ++k)
-      blocks[k].first_source = blocks[k].last_target = k;
+      blocks[k].first_source = blocks[k].last_source = blocks[k].first_target = blocks[k].last_target = k;
     for (std::size_t k = 0; k < blocks.size(); ++k)
       for (std::size_t i = blocks[k].incoming_begin; i < blocks[k].incoming_end; ++i)
         {
           const auto after = std::upper_bound(blocks.begin(), blocks.end(), network.incoming_far[i], is_after);
           const std::size_t source = static_cast<std::size_t>(after - blocks.begin()) - 1;
           blocks[k].first_source = std::min(blocks[k].first_source, source);
+          blocks[k].last_source = std::max(blocks[k].last_source, source);
+          blocks[source].first_target = std::min(blocks[source].first_target, k);
           blocks[source].last_target = std::max(blocks[source].last_target, k);
         }
   }
@@ -291,7 +331,10 @@ namespace dem
     const auto [a, b] = std::minmax(memory.a, memory.b);
     for (std::uint32_t i = first[a]; i < first[a + 1]; ++i)
       if ((*pairs_)[i].b == b)
-        network.set_shear(place_of_pair_[i], memory.a < memory.b ? memory.shear_force : Vector(-memory.shear_force),
-                          memory.is_sliding ? PairStatus::slides : PairStatus::sticks);
+        {
+          const std::size_t k = place_of_pair_[i];
+          network.set_shear(k, memory.a == network.a[k] ? memory.shear_force : Vector(-memory.shear_force),
+                            memory.is_sliding ? PairStatus::slides : PairStatus::sticks);
+        }
   }
 } // namespace dem

@@ -22,7 +22,8 @@ namespace dem
     std::size_t count_bytes() const; ///< memory that it holds
 
   private:
-    /** Far or near; touching, apart by so little that they will touch soon, or apart: the order of a block's pairs. */
+    /** Far or near; touching, apart by so little that they will touch soon, or apart: the order of a block's pairs.
+     * Those that are left go to the block of their other grain, as far pairs. */
     enum Sort : std::uint8_t
     {
       far_touching,
@@ -31,20 +32,29 @@ namespace dem
       near_touching,
       near_close,
       near_apart,
-      n_sorts
+      n_sorts,
+      left_touching = n_sorts,
+      left_close,
+      left_apart
     };
+
+    /** That far pair in the block that it goes to. */
+    static Sort take(const Sort left) { return static_cast<Sort>(left - left_touching + far_touching); }
 
     /** What must be known of one block before the next can be laid out. */
     struct Layout
     {
       std::array<std::size_t, n_sorts> n; ///< pairs of each sort
+      std::vector<std::uint32_t> left;    ///< pairs that go to later blocks
 
       std::size_t count(Sort first, Sort last) const; ///< pairs of these sorts and those between
     };
 
     static void set_reaches(const RevState &state, std::span<const double> skins, ContactNetwork &network);
     void sort_block(const RevState &state, const ContactNetwork &network, std::size_t k);
-    void lay_out_blocks(ContactNetwork &network) const;
+    template <typename Take>
+    void for_each_taken(const ContactNetwork &network, std::size_t k, const Take &take_pair) const;
+    void lay_out_blocks(ContactNetwork &network);
     void fill_block(const RevState &state, std::size_t k, ContactNetwork &network);
     void list_incoming(const RevState &state, Team &team, ContactNetwork &network);
     void count_incoming(const ContactNetwork &network, std::size_t begin, std::size_t end);

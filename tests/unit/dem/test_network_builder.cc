@@ -9,6 +9,7 @@
 #include <array>
 #include <map>
 #include <random>
+#include <set>
 
 namespace
 {
@@ -105,31 +106,31 @@ namespace
     EXPECT_GT(*std::min_element(n.begin(), n.end()), 20u);
   }
 
-  TEST(NetworkBuilder, BlocksKnowWhoReachesIntoThem)
+  /** Far pairs are those whose second grain is in another block, one of the `farthest` next ones round the end; each is
+   * incoming once, at its second grain, in rising order; sources and targets are their bounds. */
+  void expect_reach(const ContactNetwork &network, const std::size_t farthest)
   {
-    // Law: far pairs are those whose second grain is in a later block; each is incoming once, at its second grain, in
-    // rising order; first source and last target are their bounds. Exact.
-    const RevState state = scatter(3000, 30., 1);
-    const ContactNetwork network = build(state, 2);
+    const std::size_t n_blocks = network.blocks.size();
     const auto find_block = [&](const std::uint32_t grain) {
       std::size_t k = 0;
       while (network.blocks[k].grain_end <= grain)
         ++k;
       return k;
     };
-    std::vector<std::size_t> first_source(network.blocks.size()), last_target(network.blocks.size());
-    std::map<std::uint32_t, std::uint32_t> second_grain; // of each far pair
-    for (std::size_t k = 0; k < network.blocks.size(); ++k)
-      first_source[k] = last_target[k] = k;
-    for (std::size_t k = 0; k < network.blocks.size(); ++k)
+    std::vector<std::set<std::size_t>> sources(n_blocks), targets(n_blocks); // and the block itself
+    std::map<std::uint32_t, std::uint32_t> second_grain;                     // of each far pair
+    for (std::size_t k = 0; k < n_blocks; ++k)
       {
+        sources[k].insert(k);
+        targets[k].insert(k);
         const GrainBlock &block = network.blocks[k];
         for (std::size_t i = block.far_begin; i < block.near_begin && network.is_pair(i); ++i)
           {
             const std::size_t target = find_block(network.b[i]);
-            EXPECT_GT(target, k);
-            first_source[target] = std::min(first_source[target], k);
-            last_target[k] = std::max(last_target[k], target);
+            EXPECT_NE(target, k);
+            EXPECT_LE((target + n_blocks - k) % n_blocks, farthest);
+            sources[target].insert(k);
+            targets[k].insert(target);
             second_grain[static_cast<std::uint32_t>(block.first_far + i - block.far_begin)] = network.b[i];
           }
         for (std::size_t i = block.near_begin; i < block.near_end; ++i)
@@ -147,8 +148,27 @@ namespace
       }
     for (std::size_t k = 0; k < network.blocks.size(); ++k)
       {
-        EXPECT_EQ(network.blocks[k].first_source, first_source[k]);
-        EXPECT_EQ(network.blocks[k].last_target, last_target[k]);
+        EXPECT_EQ(network.blocks[k].first_source, *sources[k].begin());
+        EXPECT_EQ(network.blocks[k].last_source, *sources[k].rbegin());
+        EXPECT_EQ(network.blocks[k].first_target, *targets[k].begin());
+        EXPECT_EQ(network.blocks[k].last_target, *targets[k].rbegin());
+      }
+  }
+
+  TEST(NetworkBuilder, BlocksKnowWhoReachesIntoThem)
+  {
+    // Law: blocks reach into the nearer half of the others, round the end of storage; where they are more than sixteen,
+    // into later ones alone. Grains are scattered, so that each block reaches into all that it may. Exact.
+    const ContactNetwork ring = build(scatter(9000, 43., 1), 2), line = build(scatter(33000, 66., 1), 2);
+    ASSERT_EQ(ring.blocks.size(), 8u);
+    expect_reach(ring, 4);
+    EXPECT_EQ(ring.blocks[7].first_target, 0u);
+    ASSERT_EQ(line.blocks.size(), 32u);
+    expect_reach(line, 31);
+    for (std::size_t k = 0; k < 32; ++k)
+      {
+        EXPECT_EQ(line.blocks[k].first_target, k);
+        EXPECT_EQ(line.blocks[k].last_target, 31u);
       }
   }
 } // namespace
