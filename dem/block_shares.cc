@@ -95,6 +95,14 @@ namespace dem
     return (n_grains + n_blocks - 1) / n_blocks;
   }
 
+  std::vector<std::size_t> list_shares(const ContactNetwork &network, const std::size_t n_threads)
+  {
+    std::vector<std::size_t> shares(n_threads + 1);
+    for (std::size_t number = 0; number <= n_threads; ++number)
+      shares[number] = find_share(network, number, n_threads);
+    return shares;
+  }
+
   void share_blocks(const ContactNetwork &network, Team &team, const BlockWork &work)
   {
     Sharing sharing(network, team.size(), work);

@@ -11,6 +11,9 @@ namespace dem
   /** Grains of the largest block: blocks differ by one at most. */
   std::size_t count_largest_block(const ContactNetwork &network);
 
+  /** First block of each thread's share of a network, and the number of blocks behind them. */
+  std::vector<std::size_t> list_shares(const ContactNetwork &network, std::size_t n_threads);
+
   /** What is to be done with each block of a network. */
   struct BlockWork
   {

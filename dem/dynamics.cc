@@ -87,11 +87,24 @@ namespace dem
       round_places(state_.grains);
     is_wide_enough_ = dem::is_wide_enough(state_.cell, compute_reach(state_.grains, skins_.get_usual()));
     if (!is_wide_enough_)
-      return;
+      {
+        passed_ = PassedGrains(); // of other grains
+        return;
+      }
     builder_.build(state_, skins_.get_values(), team_, network_);
     skins_.begin(network_);
+    passed_.list(network_, team_);
+    state_.reserve_grains(state_.grains.size() + passed_.size());
+    pass_grains();
     if (single_)
-      single_->load(state_, network_, team_);
+      single_->load(state_, network_, team_, passed_);
+  }
+
+  void Dynamics::pass_grains()
+  {
+    passed_.copy_all(state_.grains.place.data());
+    passed_.copy_all(state_.grains.velocity.data());
+    passed_.copy_all(state_.grains.spin.data());
   }
 
   void Dynamics::update_network()
@@ -152,11 +165,16 @@ namespace dem
     const GrainBlock &block = network_.blocks[k];
     block_steps_[k] =
         advance_grains(state_.grains, block.grain_begin, block.grain_end, {state_.cell, rows, kinetics_, rule_.motion});
+    passed_.copy(k, state_.grains.place.data());
+    passed_.copy(k, state_.grains.velocity.data());
+    if (rule_.motion.is_rotation_free)
+      passed_.copy(k, state_.grains.spin.data());
   }
 
   void Dynamics::move_block(const std::size_t k, const TwinRow *const forces)
   {
     block_steps_[k] = single_->move(network_.blocks[k], {state_.cell, forces, kinetics_, rule_.motion});
+    single_->copy(passed_, k);
   }
 
   void Dynamics::move()
@@ -218,14 +236,14 @@ namespace dem
     n_cycles_ = 0;
     if (!rule_.motion.has_true_masses)
       take_velocities_away(state_.grains);
-    if (state_.cell.has_walls())
-      return;                              // without images a place has one name alone
-    for (Row &place : state_.grains.place) // the same grains, but fractions keep their precision
-      {
-        place.x -= std::floor(place.x);
-        place.y -= std::floor(place.y);
-        place.z -= std::floor(place.z);
-      }
+    if (!state_.cell.has_walls())            // without images a place has one name alone
+      for (Row &place : state_.grains.place) // the same grains, but fractions keep their precision
+        {
+          place.x -= std::floor(place.x);
+          place.y -= std::floor(place.y);
+          place.z -= std::floor(place.z);
+        }
+    pass_grains();
   }
 
   bool Dynamics::is_finite() const
@@ -240,7 +258,7 @@ namespace dem
 
   std::size_t Dynamics::count_bytes() const
   {
-    return network_.count_bytes() + builder_.count_bytes() + skins_.count_bytes() +
+    return network_.count_bytes() + builder_.count_bytes() + passed_.count_bytes() + skins_.count_bytes() +
            (single_ ? single_->count_bytes() : 0) + forces_.count_bytes();
   }
 

@@ -2,6 +2,7 @@
 
 #include "dem/motion.h"
 #include "dem/network_builder.h"
+#include "dem/passed_grains.h"
 #include "dem/precision.h"
 #include "dem/profile.h"
 #include "dem/skins.h"
@@ -58,7 +59,7 @@ namespace dem
      *  same cycle follow no motion, since contacts that stay have followed it already. */
     void rebuild();
 
-    /** Writes the shear history into the state. */
+    /** Writes the shear history into the state, whose arrays may move by it: cycles go on after rebuild() alone. */
     void store_contacts();
 
     /** Writes shear history, stress and unbalanced ratio into the state; scaled masses: takes velocities away. */
@@ -90,6 +91,7 @@ namespace dem
     void build_network();
     void update_network();
     bool is_network_due();
+    void pass_grains();
     void move_block(std::size_t k, const ForceRows &rows);
     void move_block(std::size_t k, const TwinRow *forces);
 
@@ -98,6 +100,7 @@ namespace dem
     const DynamicsRule rule_;
     NetworkBuilder builder_;
     ContactNetwork network_;
+    PassedGrains passed_;
     Skins skins_;
     Forces forces_;
     Kinetics kinetics_;

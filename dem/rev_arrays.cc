@@ -110,11 +110,15 @@ namespace dem
     const Lengths larger{choose_room(room_.grains, lengths.grains),
                          choose_room(room_.crept_contacts, lengths.crept_contacts),
                          choose_room(room_.contacts, lengths.contacts)};
-    if (larger == room_)
-      return;
+    if (larger != room_)
+      move_into(larger);
+  }
+
+  void RevArrays::move_into(const Lengths &room)
+  {
     RevArrays moved;
-    MemoryBlock(count_block(*this, larger)).swap(moved.block_);
-    moved.room_ = larger;
+    MemoryBlock(count_block(*this, room)).swap(moved.block_);
+    moved.room_ = room;
     moved.place_columns(get_lengths());
     const auto copy = []<typename T>(auto, const Column<T> &from, Column<T> &to) {
       copy_bytes(from.data(), from.size() * sizeof(T), to.data());
@@ -137,6 +141,12 @@ namespace dem
   void RevArrays::resize_grains(const std::size_t n)
   {
     resize({n, crept_contacts.size(), contacts.size()});
+  }
+
+  void RevArrays::reserve_grains(const std::size_t n)
+  {
+    if (n > room_.grains)
+      move_into({n, room_.crept_contacts, room_.contacts});
   }
 
   void RevArrays::resize_contacts(const std::size_t n)

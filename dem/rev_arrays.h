@@ -55,6 +55,8 @@ namespace dem
     /** What is there stays, what is new is zero. References to the arrays stay valid, those to values do not. */
     void resize(const Lengths &lengths);
     void resize_grains(std::size_t n);
+    /** Room for n grains in all: rows of more than there are may be written behind those of the grains. */
+    void reserve_grains(std::size_t n);
     void resize_contacts(std::size_t n);
 
     void set_contacts(std::span<const ContactMemory> values);      ///< @pre not its own
@@ -73,6 +75,7 @@ namespace dem
     void copy(const RevArrays &from);
     void swap(RevArrays &other) noexcept;
     void make_room(const Lengths &lengths);
+    void move_into(const Lengths &room);
     void place_columns(const Lengths &lengths);
 
     MemoryBlock block_;

@@ -121,9 +121,12 @@ namespace dem
     const Compute compute_;
   };
 
-  void SingleDynamics::load(const RevState &state, const ContactNetwork &network, Team &team)
+  void SingleDynamics::load(const RevState &state, const ContactNetwork &network, Team &team,
+                            const PassedGrains &passed)
   {
-    grains_.load(state.grains);
+    grains_.load(state.grains, passed.size());
+    passed.copy_all(grains_.counts.data());
+    passed.copy_all(grains_.motion.data());
     build_packs(network, state, team, packs_);
     force_.resize(state.grains.size());
     far_force_.resize(network.n_far);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "dem/passed_grains.h"
 #include "dem/single_motion.h"
 
 namespace dem
@@ -12,7 +13,7 @@ namespace dem
   {
   public:
     /** Takes grains and pairs of a network just built. @pre places are whole counts (round_places) */
-    void load(const RevState &state, const ContactNetwork &network, Team &team);
+    void load(const RevState &state, const ContactNetwork &network, Team &team, const PassedGrains &passed = {});
 
     /** Called with the number of a block and the forces on its grains once they are complete. */
     using Hook = std::function<void(std::size_t, const TwinRow *)>;
@@ -23,6 +24,13 @@ namespace dem
 
     /** Moves the grains of a block. @return bound on the way of any of them [m] */
     double move(const GrainBlock &block, const SingleMotionTask &task);
+
+    /** Copies those of a block that have moved. */
+    void copy(const PassedGrains &passed, const std::size_t k)
+    {
+      passed.copy(k, grains_.counts.data());
+      passed.copy(k, grains_.motion.data());
+    }
 
     const TwinRow *get_forces() const { return force_.data(); }
 

@@ -31,10 +31,10 @@ namespace dem
             task.motion.has_sums};
   }
 
-  void SingleGrains::load(const Grains &grains)
+  void SingleGrains::load(const Grains &grains, const std::size_t n_copies)
   {
-    counts.resize(grains.size());
-    motion.resize(grains.size());
+    counts.resize(grains.size() + n_copies);
+    motion.resize(grains.size() + n_copies);
     for (std::size_t i = 0; i < grains.size(); ++i)
       {
         counts[i] = {0, 0, 0, static_cast<float>(grains.velocity[i].w)};

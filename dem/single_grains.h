@@ -35,8 +35,8 @@ namespace dem
     std::vector<CountRow> counts;
     std::vector<TwinRow> motion; ///< linear: velocity [m/s], radius [m]; angular: spin [1/s], moment of inertia [kg m2]
 
-    /** Takes grains whose network has just been built. */
-    void load(const Grains &grains);
+    /** Takes grains whose network has just been built. @param n_copies  room behind them */
+    void load(const Grains &grains, std::size_t n_copies = 0);
 
     /** Tells the double arrays where grains `begin` to `end` are and how they move. */
     void write(const ContactNetwork &network, std::size_t begin, std::size_t end, Grains &grains) const;

@@ -38,7 +38,7 @@ namespace dem
         {
           const std::size_t k = p * n_singles + lane;
           pack.row_a[lane] = network.a[k] * static_cast<SingleOffset>(sizeof(CountRow));
-          pack.row_b[lane] = network.b[k] * static_cast<SingleOffset>(sizeof(CountRow));
+          pack.row_b[lane] = network.row_b[k] / sizeof(Row) * sizeof(CountRow); // a grain's, or that of its copy
           pack.shear_x[lane] = static_cast<float>(network.shear_x[k]);
           pack.shear_y[lane] = static_cast<float>(network.shear_y[k]);
           pack.shear_z[lane] = static_cast<float>(network.shear_z[k]);

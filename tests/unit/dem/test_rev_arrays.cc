@@ -173,6 +173,25 @@ namespace
     EXPECT_EQ(arrays.contacts[4999].b, 2500u);
   }
 
+  TEST(RevArrays, RoomBehindGrainsBelongsToNobody)
+  {
+    // Law: reserving keeps every bit and every length; what is written behind the grains changes none of the arrays,
+    // and grains that come there are zero; room that is there already moves nothing.
+    const RevArrays start = make_arrays(100, 2, 200);
+    RevArrays arrays = start;
+    arrays.reserve_grains(130);
+    expect_same(arrays, start);
+    const std::byte *const block = arrays.get_used_block().data();
+    for (Column<Row> *rows : {&arrays.grains.place, &arrays.grains.velocity, &arrays.grains.spin})
+      std::fill_n(rows->data() + 100, 30, Row{1., 2., 3., 4.});
+    expect_same(arrays, start);
+    arrays.reserve_grains(120);
+    arrays.resize_grains(130);
+    EXPECT_EQ(arrays.get_used_block().data(), block);
+    EXPECT_EQ(arrays.grains.place[129].w, 0.);
+    expect_beginning(arrays, start);
+  }
+
   TEST(RevArrays, ShrinkingAndGrowingAgainStaysInPlace)
   {
     // Law: grains that are taken out leave room; a copy of what is left has what is left. New values are zero though
