@@ -60,10 +60,9 @@ namespace dem
   struct ContactNetwork
   {
     std::vector<std::uint32_t> a, b;
-    LongArray<RowOffset> row_a,
-        row_b;                     ///< where their rows lie in arrays of the grains, or copies of them (PassedGrains)
-    LongArray<double> radius_sum;  ///< Ra + Rb, less what has crept [m]
-    LongArray<double> root_radius; ///< sqrt(R*) [m^0.5]
+    LongArray<RowOffset> row_a, row_b;           ///< of the grains' rows in their arrays; b: or a copy's (PassedGrains)
+    LongArray<double> radius_sum;                ///< Ra + Rb, less what has crept [m]
+    LongArray<double> root_radius;               ///< sqrt(R*) [m^0.5]
     LongArray<double> shear_x, shear_y, shear_z; ///< shear force on a [N]; zero where apart
     std::vector<PairStatus> status;
 

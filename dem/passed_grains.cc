@@ -3,6 +3,7 @@
 #include "dem/block_shares.h"
 #include "dem/memory.h"
 
+#include <algorithm>
 #include <numeric>
 
 namespace dem

@@ -2,8 +2,6 @@
 
 #include "dem/contact_network.h"
 
-#include <algorithm>
-
 namespace dem
 {
   /**
