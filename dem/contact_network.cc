@@ -51,6 +51,13 @@ namespace dem
     status[k] = now;
   }
 
+  std::size_t find_source(const ContactNetwork &network, const std::size_t far)
+  {
+    const auto is_after = [](const std::size_t number, const GrainBlock &block) { return number < block.first_far; };
+    const auto after = std::upper_bound(network.blocks.begin(), network.blocks.end(), far, is_after);
+    return static_cast<std::size_t>(after - network.blocks.begin()) - 1;
+  }
+
   Vector compute_branch(const Cell &cell, const Row &place_a, const Row &place_b)
   {
     Vector fraction = to_vector(place_b) - to_vector(place_a);

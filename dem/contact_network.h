@@ -83,6 +83,9 @@ namespace dem
     void set_shear(std::size_t k, const Vector &force, PairStatus now);
   };
 
+  /** The block that a far pair belongs to. @param far  its place among all far pairs */
+  std::size_t find_source(const ContactNetwork &network, std::size_t far);
+
   /** Largest reach of a pair: twice the largest radius plus the skin [m]. */
   double compute_reach(const Grains &grains, double skin);
 

@@ -298,14 +298,12 @@ namespace dem
   void NetworkBuilder::find_neighbours(ContactNetwork &network) const
   {
     std::vector<GrainBlock> &blocks = network.blocks;
-    const auto is_after = [](const std::size_t far, const GrainBlock &block) { return far < block.first_far; };
     for (std::size_t k = 0; k < blocks.size(); ++k)
       blocks[k].first_source = blocks[k].last_source = blocks[k].first_target = blocks[k].last_target = k;
     for (std::size_t k = 0; k < blocks.size(); ++k)
       for (std::size_t i = blocks[k].incoming_begin; i < blocks[k].incoming_end; ++i)
         {
-          const auto after = std::upper_bound(blocks.begin(), blocks.end(), network.incoming_far[i], is_after);
-          const std::size_t source = static_cast<std::size_t>(after - blocks.begin()) - 1;
+          const std::size_t source = find_source(network, network.incoming_far[i]);
           blocks[k].first_source = std::min(blocks[k].first_source, source);
           blocks[k].last_source = std::max(blocks[k].last_source, source);
           blocks[source].first_target = std::min(blocks[source].first_target, k);

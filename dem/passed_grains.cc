@@ -3,7 +3,6 @@
 #include "dem/block_shares.h"
 #include "dem/memory.h"
 
-#include <algorithm>
 #include <numeric>
 
 namespace dem
@@ -13,9 +12,7 @@ namespace dem
     /** Place in the network of one of all far pairs. */
     std::size_t find_far_pair(const ContactNetwork &network, const std::size_t far)
     {
-      const auto is_after = [](const std::size_t number, const GrainBlock &block) { return number < block.first_far; };
-      const auto after = std::upper_bound(network.blocks.begin(), network.blocks.end(), far, is_after);
-      const GrainBlock &source = *std::prev(after);
+      const GrainBlock &source = network.blocks[find_source(network, far)];
       return source.far_begin + (far - source.first_far);
     }
   } // namespace
